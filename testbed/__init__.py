@@ -1,0 +1,25 @@
+"""A fixed-wing flight-dynamics co-simulation testbed: JSBSim flies what a velocity-obstacle planner plans.
+
+from testbed import load_campaign, expand, fly, measure
+for plan in expand(load_campaign("campaigns/smoke.yaml")):
+print(plan.cell, measure(fly(plan)).least_clearance_m)
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from testbed.flight.fly import fly
+    from testbed.results.metrics import measure
+    from testbed.spec import expand, load_campaign
+
+__all__ = ["expand", "fly", "load_campaign", "measure"]
+_HOME = {"fly": "testbed.flight.fly", "measure": "testbed.results.metrics", "expand": "testbed.spec", "load_campaign": "testbed.spec"}
+
+
+def __getattr__(name: str) -> Any:
+    """Import on first use, so that ``testbed --help`` need not load the physics."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'testbed' has no attribute '{name}'")
+    from importlib import import_module
+
+    return getattr(import_module(_HOME[name]), name)
