@@ -1,0 +1,87 @@
+"""Avoidance methods: one file each, all behind one call.
+
+A method is a function ``(own, obstacles, **options) -> Choice``; ``METHODS`` names them. A new one is a file in this folder and a
+line in the dict; every contract test then runs on it.
+
+Status of an answer, the same for all methods (the margin is measured against the exact cones, whatever the method believes):
+
+=====================  ================================================================================================
+``clear``              the present velocity is outside every cone: it is kept
+``avoided``            the velocity is outside every cone
+``unsafe``             the method's own formula gives a velocity inside a cone; the margin says by how much
+``no_free_direction``  every direction at the own speed is inside a cone; the velocity is the present one
+``inside``             the own aircraft is inside an obstacle's sphere: no cone exists; the velocity is the present one
+``undefined``          the method's construction does not exist in this encounter; the velocity is the present one
+=====================  ================================================================================================
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from vosc.encounter import Obstacle, Own, cone_margin
+from vosc.methods.choice import Choice
+from vosc.methods.differential_geometry import differential_geometry
+from vosc.methods.droam import droam_hp, droam_vp
+from vosc.methods.least_deflection import least_deflection
+from vosc.methods.none import none
+from vosc.methods.planes import planes, random_planes
+from vosc.methods.potential_field import potential_field
+from vosc.methods.scoam import scoam
+from vosc.vec import FloatArray, array, deflection
+
+__all__ = ["MARGIN_RAD", "METHODS", "Avoidance", "Choice", "Method", "avoid"]
+
+Method = Callable[..., Choice]
+
+METHODS: Final[dict[str, Method]] = {
+    "none": none,
+    "scoam": scoam,
+    "least_deflection": least_deflection,
+    "droam_hp": droam_hp,
+    "droam_vp": droam_vp,
+    "planes": planes,
+    "random_planes": random_planes,
+    "potential_field": potential_field,
+    "differential_geometry": differential_geometry,
+}
+
+MARGIN_RAD = 1e-9  # a velocity this far inside a cone still counts as on it: critical velocities lie on cones by construction
+
+
+@dataclass(frozen=True, eq=False)
+class Avoidance:
+    """What ``avoid`` answers.
+
+    ``velocity_mps`` (3,) commanded velocity, m/s; ``deflection_rad`` space angle from the present velocity; ``status`` see the module;
+    ``margin_rad`` least angle of ``velocity_mps`` outside the exact cones (negative: inside one; inf without obstacles).
+    """
+
+    velocity_mps: FloatArray
+    deflection_rad: float
+    status: str
+    margin_rad: float
+
+
+def avoid(name: str, own: Own, obstacles: Sequence[Obstacle], **options: Any) -> Avoidance:
+    """The velocity that method ``name`` commands against ``obstacles``; never NaN, never an exception for a physical input.
+
+    ``ValueError`` for a name not in ``METHODS``, ``TypeError`` for an option the method does not have.
+    """
+    if name not in METHODS:
+        raise ValueError(f"no avoidance method '{name}'; there are: {', '.join(METHODS)}")
+    obstacles = tuple(obstacles)
+    present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in obstacles), default=math.inf)
+    if any(math.dist(own.pos_m, o.pos_m) < o.radius_m for o in obstacles):
+        choice = Choice(own.vel_mps, "inside")
+    elif present >= -MARGIN_RAD:
+        choice = Choice(own.vel_mps, "clear")
+    else:
+        choice = METHODS[name](own, obstacles, **options)
+    kept = choice.velocity_mps == own.vel_mps
+    margin = present if kept else min(cone_margin(own.pos_m, choice.velocity_mps, o) for o in obstacles)
+    status = choice.status
+    if status == "avoided" and margin < -MARGIN_RAD:
+        status = "unsafe"
+    return Avoidance(array(choice.velocity_mps), 0.0 if kept else deflection(own.vel_mps, choice.velocity_mps), status, margin)

@@ -1,0 +1,38 @@
+"""Differential geometry: turn in the plane of the line of sight and the own velocity, away from the most imminent threat.
+
+After White, Shin, Tsourdos, UAV obstacle avoidance using differential geometry concepts, IFAC World Congress 2011 (the line of work
+of the paper's references [12-14], whose texts are not at hand): the manoeuvre plane is spanned by the sightline and the own
+velocity, and the own velocity is turned in it until the relative velocity touches the safety sphere. Their guidance law then steers
+the curvature to that direction; here only the direction is asked for. One obstacle at a time: the one that is reached first.
+"""
+
+from collections.abc import Sequence
+
+from vosc.cone import exact_cones
+from vosc.encounter import Obstacle, Own, threat
+from vosc.methods.choice import Choice, none_free, undefined
+from vosc.turns import circle_in_plane, first_free
+from vosc.vec import right_of, sub, unit
+
+
+def differential_geometry(own: Own, obstacles: Sequence[Obstacle]) -> Choice:
+    """The least turn in the plane of sightline and v_u that leaves the cone of the first threat; other obstacles are not looked at.
+
+    Flying straight at the obstacle, where the plane is undefined, the turn is a horizontal one, to the right if both sides are
+    equal. ``undefined`` when no direction of the plane is free.
+    """
+    threats = [(threat(own, o).time_to_cpa_s, k) for k, o in enumerate(obstacles) if threat(own, o).is_threat]
+    if own.vel_mps == (0.0, 0.0, 0.0) or not threats:
+        return none_free(own) if threats else undefined(own)
+    first = obstacles[min(threats)[1]]
+    sight = sub(first.pos_m, own.pos_m)
+    circle = circle_in_plane(own.vel_mps, sight) or circle_in_plane(own.vel_mps, right_of(unit(own.vel_mps)))
+    if circle is None:
+        return undefined(own)
+    cones = exact_cones(own, [first])
+    turns = [(omega, sense) for sense in (1, -1) if (omega := first_free(cones, circle, sense)) is not None]
+    if not turns:
+        return undefined(own)
+    least = min(omega for omega, _ in turns)
+    omega, sense = next(t for t in turns if t[0] <= least + 1e-12)
+    return Choice(circle.at(sense * omega), "avoided")

@@ -1,0 +1,47 @@
+"""DROAM, the dimension-reduction methods the paper compares with: turn in the horizontal or in the vertical plane only.
+
+After Belkhouche and Bendjilali, Reactive path planning for 3-D autonomous vehicles, IEEE Trans. Control Systems Technology 20
+(2012) 249, the paper's reference [19], whose text is not at hand: here the exact cones are cut by the circle of the manoeuvre, so
+that the answer is the least safe turn of its kind. Horizontal: azimuth at constant climb angle. Vertical: climb angle at constant
+azimuth.
+"""
+
+from collections.abc import Sequence
+
+from vosc.cone import exact_cones
+from vosc.encounter import Obstacle, Own
+from vosc.methods.choice import Choice, none_free, undefined
+from vosc.turns import Circle, first_free, level_circle, vertical_circle
+
+
+def _best(own: Own, obstacles: Sequence[Obstacle], circle: Circle, senses: tuple[int, ...]) -> Choice:
+    cones = exact_cones(own, obstacles)
+    turns = [(omega, -sense) for sense in senses if (omega := first_free(cones, circle, sense)) is not None]
+    if not turns:
+        return undefined(own) if own.vel_mps != (0.0, 0.0, 0.0) else none_free(own)
+    omega, back = min(turns)
+    return Choice(circle.at(-back * omega), "avoided")
+
+
+def droam_hp(own: Own, obstacles: Sequence[Obstacle], side: str = "least") -> Choice:
+    """The least azimuth change at constant climb angle that leaves every cone, to ``side`` = ``left``, ``right`` or ``least``.
+
+    ``undefined`` when no azimuth is free, as for a vertical velocity.
+    """
+    senses = {"least": (1, -1), "left": (1,), "right": (-1,)}
+    if side not in senses:
+        raise ValueError(f"side: 'least', 'left' or 'right', got {side!r}")
+    return _best(own, obstacles, level_circle(own.vel_mps), senses[side])
+
+
+def droam_vp(own: Own, obstacles: Sequence[Obstacle], side: str = "least") -> Choice:
+    """The least change of climb angle in the vertical plane of v_u that leaves every cone, to ``side`` = ``up``, ``down`` or ``least``.
+
+    The turn may go over the vertical. ``undefined`` when no direction of the plane is free, and for a vertical velocity, which has
+    no such plane.
+    """
+    senses = {"least": (1, -1), "up": (1,), "down": (-1,)}
+    if side not in senses:
+        raise ValueError(f"side: 'least', 'up' or 'down', got {side!r}")
+    circle = vertical_circle(own.vel_mps)
+    return undefined(own) if circle is None else _best(own, obstacles, circle, senses[side])

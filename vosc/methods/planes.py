@@ -1,0 +1,63 @@
+"""Avoidance planes through the velocity: a fixed fan of them, or random ones.
+
+The fan follows Jenie, van Kampen, Ellerbroek, Hoekstra, Three-dimensional velocity obstacle method for uncoordinated avoidance
+maneuvers of unmanned aerial vehicles, J. Guidance, Control and Dynamics 39 (2016) 2312: planes through the velocity at equal roll
+angles, in each the two turns that just leave the cone. The paper's reference [22] used twelve planes. Random planes stand for its
+reference [24], of which the paper says only that planes are selected at random; its text is not at hand.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from vosc.cone import Cone, exact_cones
+from vosc.encounter import Obstacle, Own
+from vosc.methods.choice import Choice, none_free, undefined
+from vosc.turns import first_free, great_circle
+from vosc.vec import Vec, combine, cross, perpendicular, right_of, unit
+
+
+def _least_of(own: Own, cones: Sequence[Cone], normals: Sequence[Vec]) -> Choice:
+    best: tuple[float, Vec] | None = None
+    for normal in normals:
+        circle = great_circle(own.vel_mps, normal)
+        for sense in (1, -1):
+            limit = math.pi if best is None else best[0]
+            omega = first_free(cones, circle, sense, limit)
+            if omega is not None and (best is None or omega < best[0] - 1e-12):
+                best = (omega, circle.at(sense * omega))
+    return undefined(own) if best is None else Choice(best[1], "avoided")
+
+
+def _normals(velocity: Vec, roll_rad: Sequence[float]) -> list[Vec]:
+    """Normals of the planes through the velocity; roll 0 is the turn to the side (normal up), counted towards the right of the velocity."""
+    u = unit(velocity)
+    up = perpendicular(u, (0.0, 0.0, 1.0), right_of(u))
+    right = cross(u, up)
+    return [combine(math.cos(a), up, math.sin(a), right) for a in roll_rad]
+
+
+def planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, offset_rad: float = 0.0) -> Choice:
+    """The least turn in any of ``n`` planes through v_u, at equal roll angles pi / n apart from ``offset_rad``.
+
+    ``undefined`` when no direction in these planes is free. ``ValueError`` for fewer than one plane.
+    """
+    if n < 1:
+        raise ValueError(f"n: give at least one plane, got {n}")
+    if own.vel_mps == (0.0, 0.0, 0.0):
+        return none_free(own)
+    return _least_of(own, exact_cones(own, obstacles), _normals(own.vel_mps, [offset_rad + math.pi * k / n for k in range(n)]))
+
+
+def random_planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, seed: int = 0) -> Choice:
+    """The least turn in any of ``n`` planes through v_u at random roll angles; the same ``seed``, the same planes.
+
+    ``undefined`` when no direction in these planes is free. ``ValueError`` for fewer than one plane.
+    """
+    if n < 1:
+        raise ValueError(f"n: give at least one plane, got {n}")
+    if own.vel_mps == (0.0, 0.0, 0.0):
+        return none_free(own)
+    rolls = np.random.default_rng(seed).uniform(0.0, math.pi, n)
+    return _least_of(own, exact_cones(own, obstacles), _normals(own.vel_mps, rolls.tolist()))

@@ -1,0 +1,36 @@
+"""Artificial potential field: the velocity follows the sum of an attraction ahead and repulsions from the spheres.
+
+Khatib, Real-time obstacle avoidance for manipulators and mobile robots, Int. J. Robotics Research 5 (1986) 90, as used in the
+family of the paper's reference [7]. Positions only: the field does not know where the obstacles are going, which is what it is here
+to show.
+"""
+
+import math
+from collections.abc import Sequence
+
+from vosc.encounter import Obstacle, Own
+from vosc.methods.choice import Choice, undefined
+from vosc.vec import Vec, along, norm, scale, sub, three, unit
+
+
+def potential_field(
+    own: Own, obstacles: Sequence[Obstacle], gain: float = 1.0, reach: float = 4.0, goal: Sequence[float] | None = None
+) -> Choice:
+    """The present speed along  g + gain sum (rho0/rho - 1) (rho0/rho)^2 n  over obstacles nearer than rho0.
+
+    rho is the distance to the sphere, rho0 = ``reach`` radii of it, n points away from its centre, g is the unit vector of ``goal``
+    (a direction, three floats; default: of v_u). Khatib's repulsion made dimensionless, so that the answer does not depend on the
+    unit of length. ``undefined`` when the forces cancel, as they can when flying straight at an obstacle. ``ValueError`` for a gain
+    or reach that is not above 0.
+    """
+    if not (0.0 < gain < math.inf and 0.0 < reach < math.inf):
+        raise ValueError(f"gain, reach: give numbers above 0, got {gain}, {reach}")
+    force: Vec = unit(own.vel_mps if goal is None else three("goal", goal))
+    for o in obstacles:
+        away = sub(own.pos_m, o.pos_m)
+        distance = norm(away)
+        ratio = reach * o.radius_m / max(distance - o.radius_m, 1e-6 * o.radius_m)
+        if ratio > 1.0:
+            force = along(force, gain * (ratio - 1.0) * ratio * ratio / distance, away)
+    size = norm(force)
+    return Choice(scale(norm(own.vel_mps) / size, force), "avoided") if size > 1e-9 else undefined(own)
