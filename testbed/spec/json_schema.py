@@ -1,0 +1,94 @@
+"""The JSON Schema of a campaign, which gives an editor completion, descriptions and red underlines."""
+
+import json
+from typing import Any
+
+from testbed.spec.model import Campaign, FlightSettings
+from testbed.spec.vocabulary import keys
+
+Json = dict[str, Any]
+
+_SWEEP = (
+    "Axes of the grid, in order; the last one varies fastest. An axis is either `dotted.path: [values]`, for example "
+    "`method.kind: [none, scoam]`, or a name with labels, each of which sets several paths: "
+    "`reading: {as_printed: {obstacles.O.direction_deg: [135, 12.4]}, ...}`. A path to a section replaces the whole section. "
+    "Obstacles are addressed by name: obstacles.O.speed_mps. The labels joined by '/' name the cell."
+)
+_OBSTACLE_PATH = r"^obstacles\.[A-Za-z0-9][A-Za-z0-9_\-]*(\.|$)"
+
+
+def schema() -> str:
+    """The text of ``campaigns/campaign.schema.json``: JSON Schema draft 7, which every editor understands.
+
+    Names of methods and aircraft are not in it: a new one would change it, and `testbed list` shows them.
+    """
+    document = Campaign.model_json_schema()
+    paths = dict(_paths(document))
+    settings = {"type": "object", "properties": paths, "patternProperties": {_OBSTACLE_PATH: {}}, "additionalProperties": False}
+    document["$defs"]["Settings"] = {"description": "Dotted paths and the values they get.", **settings}
+    document["$defs"]["NamedAxis"] = {
+        "description": "Labels, each with the settings it stands for.",
+        "type": "object",
+        "minProperties": 1,
+        "additionalProperties": {"$ref": "#/$defs/Settings"},
+    }
+    named = {"$ref": "#/$defs/NamedAxis"}
+    document["properties"]["sweep"] = {
+        "description": _SWEEP,
+        "type": "object",
+        "properties": {path: {"anyOf": [_values(kind), named], "description": kind.get("description", "")} for path, kind in paths.items()},
+        "patternProperties": {_OBSTACLE_PATH: {"anyOf": [_values({}), named]}},
+        "additionalProperties": named,
+        "default": {},
+    }
+    return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **_draft7(document)}, indent=2) + "\n"
+
+
+def _values(kind: Json) -> Json:
+    return {"type": "array", "minItems": 1, "items": kind}
+
+
+def _paths(document: Json) -> list[tuple[str, Json]]:
+    """Every dotted path that a sweep may use (those below obstacles apart), with the schema of its value."""
+    found: list[tuple[str, Json]] = []
+
+    def visit(kind: Any, properties: Json, prefix: str) -> None:
+        for name, annotation in keys(kind).items():
+            value = {key: part for key, part in properties[name].items() if key not in ("default", "title")}
+            found.append((f"{prefix}{name}", value))
+            visit(annotation, _properties(value, document), f"{prefix}{name}.")
+
+    visit(FlightSettings, document["properties"], "")
+    return found
+
+
+def _properties(value: Json, document: Json) -> Json:
+    """Properties of a section, or of all sections of a union together."""
+    if "$ref" in value:
+        return document["$defs"][value["$ref"].rpartition("/")[2]].get("properties", {})
+    merged: Json = {}
+    for option in value.get("oneOf", []):
+        for name, part in _properties(option, document).items():
+            merged[name] = {"anyOf": [merged[name], part]} if name in merged else part
+    return merged
+
+
+def _draft7(node: Any, is_names: bool = False) -> Any:
+    """The same schema in draft 7: lists of fixed length spelt the old way, and nothing beside a ``$ref``."""
+    if isinstance(node, list):
+        return [_draft7(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    if is_names:
+        return {name: _draft7(part) for name, part in node.items()}
+    result = {}
+    for name, part in node.items():
+        if name == "prefixItems":
+            result["items"] = _draft7(part)
+        elif name == "$ref" and len(node) > 1:
+            result["allOf"] = [{"$ref": part}]
+        elif name not in ("discriminator", "title") or (name == "title" and "properties" in node):
+            result[name] = (
+                part if name in ("default", "required", "enum") else _draft7(part, name in ("properties", "$defs", "patternProperties"))
+            )
+    return result

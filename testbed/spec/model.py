@@ -1,0 +1,295 @@
+"""What a campaign may say: the vocabulary of the YAML, validated and frozen.
+
+Every key carries its unit.  ``FlightSettings`` is what one flight needs; a ``Campaign`` is settings plus a sweep;
+a ``FlightPlan`` is one cell and replicate of it, fully resolved.
+"""
+
+import math
+from collections.abc import Iterable
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from testbed.catalogue import aircraft_folders
+from vosc.methods import METHODS
+
+
+def _known(what: str, name: str, known: Iterable[str]) -> str:
+    """``name``, if it is one of ``known``; the error carries both, so that a message can suggest the nearest."""
+    if name not in (names := list(known)):
+        context = {"what": what, "name": name, "listing": ", ".join(names)}
+        raise PydanticCustomError("unknown_name", "no {what} '{name}'; there are: {listing}", context)
+    return name
+
+
+def _option(value: object) -> object:
+    """Checked before the union is tried, which would report one bad value three times."""
+    if not isinstance(value, bool | int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
+        raise ValueError("must be true, false, a finite number or a text")
+    return value
+
+
+def _names_differ(obstacles: "tuple[ObstacleSpec, ...]") -> "tuple[ObstacleSpec, ...]":
+    names = [obstacle.name for obstacle in obstacles]
+    if len(set(names)) != len(names):
+        raise ValueError(f"obstacle names must differ: {', '.join(names)}")
+    return obstacles
+
+
+# Strict: neither true nor "30" is a number. An int is a float, a list is a tuple.
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Whole = Annotated[int, Field(strict=True)]
+Positive = Annotated[Number, Field(gt=0)]
+NonNegative = Annotated[Number, Field(ge=0)]
+Point = tuple[Number, Number, Number]
+Elevation = Annotated[Number, Field(ge=-90, le=90)]
+Direction = tuple[Number, Elevation]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_\-]*$", max_length=60)]
+Option = Annotated[bool | float | str, BeforeValidator(_option)]
+Method = Annotated[str, AfterValidator(lambda name: _known("method", name, METHODS))]
+Aircraft = Annotated[str, AfterValidator(lambda name: _known("aircraft", name, aircraft_folders()))]
+
+
+class Section(BaseModel):
+    """A frozen block of the YAML; an unknown key is an error. The text under a key is its description in the JSON Schema."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+class Route(Section):
+    """The original path: one canonical PH quintic with end tangents of ``magnitude_chords`` times the chord."""
+
+    start_enu_m: Point
+    """Where the path starts: [east, north, up], m."""
+    goal_enu_m: Point
+    """Where the path ends: [east, north, up], m."""
+    start_direction_deg: Direction
+    """Direction of the path at its start: [azimuth counter-clockwise from east, elevation up], deg."""
+    goal_direction_deg: Direction
+    """Direction of the path at its goal: [azimuth counter-clockwise from east, elevation up], deg."""
+    magnitude_chords: Annotated[Positive, Field(le=3)] = 1.0
+    """Length of both end tangents, in chord lengths (start to goal)."""
+
+    @model_validator(mode="after")
+    def _ends_differ(self) -> "Route":
+        if self.start_enu_m == self.goal_enu_m:
+            raise ValueError("start_enu_m and goal_enu_m are the same point")
+        return self
+
+
+class Begin(Section):
+    """Where on the route the flight starts: an arc length, or the first place where the climb is at most a limit."""
+
+    at_route_s_m: NonNegative | None = None
+    """Arc length along the route, m."""
+    climb_at_most_deg: Annotated[Number, Field(gt=-90, lt=90)] | None = None
+    """The first place where the route's climb angle is at most this, deg."""
+
+    @model_validator(mode="after")
+    def _one_of(self) -> "Begin":
+        if (self.at_route_s_m is None) == (self.climb_at_most_deg is None):
+            raise ValueError("give exactly one of at_route_s_m and climb_at_most_deg")
+        return self
+
+
+class When(Section):
+    """The instant at which an obstacle is at its ``position_enu_m``: a time, or when the plan has the aircraft at a point."""
+
+    time_s: Number | None = None
+    """Time after the flight begins, s."""
+    own_reaches_enu_m: Point | None = None
+    """When the plan without obstacles has the aircraft nearest to this point: [east, north, up], m."""
+
+    @model_validator(mode="after")
+    def _one_of(self) -> "When":
+        if (self.time_s is None) == (self.own_reaches_enu_m is None):
+            raise ValueError("give exactly one of time_s and own_reaches_enu_m")
+        return self
+
+
+class ObstacleSpec(Section):
+    """A sphere that moves in a straight line."""
+
+    name: Name
+    """Short name: letters, digits, _ and -. A sweep addresses the obstacle by it."""
+    radius_m: Positive
+    """The sphere's radius, m."""
+    position_enu_m: Point
+    """The centre at the instant `when`: [east, north, up], m."""
+    speed_mps: NonNegative
+    """Speed over the ground, m/s."""
+    direction_deg: Direction
+    """Direction of flight: [azimuth counter-clockwise from east, elevation up], deg."""
+    when: When = When(time_s=0.0)
+    """The instant at which the obstacle is at position_enu_m."""
+
+
+class Sensor(Section):
+    """What the planner sees: the truth, within a range of the obstacle's centre."""
+
+    kind: Literal["truth"] = "truth"
+    """truth: position and velocity without error."""
+    range_m: Positive = 100.0
+    """An obstacle is seen when its centre is this near, m."""
+
+
+class MethodSpec(Section):
+    """The avoidance method: a name of ``vosc.methods.METHODS`` and its options."""
+
+    kind: Method = "scoam"
+    """Avoidance method; `testbed list methods` shows them."""
+    options: dict[str, Option] = {}
+    """The method's own options."""
+
+
+class Replan(Section):
+    """How a threat becomes a new path (sections 4.3, 5 of the paper)."""
+
+    policy: Literal["once"] = "once"
+    """once: one re-plan per new threat."""
+    k: Annotated[Number, Field(ge=1)] = 1.25
+    """The insertion point lies k radii ahead of the obstacle's centre, along its velocity (eq. 35)."""
+    time_rule: Literal["arrival", "paper_4_3_2"] = "arrival"
+    """When the insertion point is reached: arrival (own travel time to it) or the rule of section 4.3.2."""
+    horizon_s: Positive = 10.0
+    """A threat further away in time than this is ignored, s."""
+    magnitude_chords: Annotated[Positive, Field(le=3)] = 1.0
+    """Length of the end tangents of each new piece of path, in its chord lengths."""
+
+
+class PlantSpec(Section):
+    """Which physics flies the plan."""
+
+    kind: Literal["kinematic", "jsbsim"] = "jsbsim"
+    """kinematic: a point on the planned curve. jsbsim: six degrees of freedom."""
+
+
+class Rates(Section):
+    """How often each block runs. The guidance and planner rates must divide the plant's."""
+
+    plant_hz: Annotated[Whole, Field(ge=60, le=960)] = 120
+    """Steps of the plant, Hz."""
+    guidance_hz: Annotated[Whole, Field(ge=10, le=960)] = 60
+    """Steps of the guidance, Hz; divides plant_hz."""
+    planner_hz: Annotated[Whole, Field(ge=1, le=960)] = 60
+    """Looks of the planner, Hz; divides plant_hz."""
+
+    @model_validator(mode="after")
+    def _divide(self) -> "Rates":
+        for name in ("guidance_hz", "planner_hz"):
+            if self.plant_hz % getattr(self, name):
+                raise ValueError(f"{name} must divide plant_hz = {self.plant_hz}")
+        return self
+
+
+class GuidanceSpec(Section):
+    """The path-following law."""
+
+    kind: Literal["look_ahead"] = "look_ahead"
+    """look_ahead: steer towards a point ahead on the path."""
+
+
+class Calm(Section):
+    """Still air."""
+
+    kind: Literal["calm"] = "calm"
+
+
+class SteadyWind(Section):
+    """The same wind everywhere and always."""
+
+    kind: Literal["steady"]
+    speed_mps: Annotated[NonNegative, Field(le=40)]
+    """Speed of the air over the ground, m/s."""
+    from_deg: Annotated[Number, Field(ge=-360, le=360)]
+    """Compass direction the wind comes FROM, deg."""
+
+
+class NoTurbulence(Section):
+    """Smooth air."""
+
+    kind: Literal["none"] = "none"
+
+
+class Air(Section):
+    """The air that every plant flies in."""
+
+    wind: Annotated[Calm | SteadyWind, Field(discriminator="kind")] = Calm()
+    """Mean wind."""
+    turbulence: NoTurbulence = NoTurbulence()
+    """Gusts on top of the wind."""
+
+
+class FlightSettings(Section):
+    """Everything one flight needs, apart from who it is."""
+
+    speed_mps: Annotated[Positive, Field(le=150)] = 50.0
+    """Set speed, m/s."""
+    speed_hold: Literal["airspeed", "groundspeed"] = "airspeed"
+    """Which speed is held at speed_mps."""
+    route: Route
+    """The original path."""
+    geometry: Literal["as_given", "level"] = "as_given"
+    """level: the whole encounter turned about the route's start so that both end tangents are horizontal."""
+    terrain_z_m: Number = -200.0
+    """Height of the flat ground in the ENU frame, m."""
+    begin: Begin = Begin(at_route_s_m=0.0)
+    """Where on the route the flight starts."""
+    obstacles: Annotated[tuple[ObstacleSpec, ...], AfterValidator(_names_differ)] = ()
+    """Moving spheres."""
+    sensor: Sensor = Sensor()
+    """What the planner sees."""
+    method: MethodSpec = MethodSpec()
+    """The avoidance method."""
+    replan: Replan = Replan()
+    """How a threat becomes a new path."""
+    guidance: GuidanceSpec = GuidanceSpec()
+    """The path-following law."""
+    plant: PlantSpec = PlantSpec()
+    """Which physics flies the plan."""
+    rates: Rates = Rates()
+    """How often each block runs."""
+    aircraft: Aircraft = "gtm_t2"
+    """A folder of aircraft/; `testbed list aircraft` shows them."""
+    air: Air = Air()
+    """The air that every plant flies in."""
+
+
+Settings = dict[str, object]
+"""Dotted path to YAML value, e.g. ``{"method.kind": "none"}``."""
+
+
+class Campaign(FlightSettings):
+    """One question, its settings, and the sweep that answers it.
+
+    An axis of ``sweep`` is either ``dotted.path: [values]`` or ``axis_name: {label: {dotted.path: value, ...}, ...}``.
+    Obstacles are addressed by name: ``obstacles.O.speed_mps``.
+    """
+
+    name: Name
+    """Names the run directory: letters, digits, _ and -."""
+    question: str
+    """What this campaign asks, in a sentence."""
+    seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
+    """Root of every random stream. Method, plant and aircraft never change what is drawn."""
+    replicates: Annotated[Whole, Field(ge=1, le=100_000)] = 1
+    """Flights per cell of the sweep, each with its own random streams."""
+    recordings: Literal["all", "none", "selected"] = "selected"
+    """Which flights leave a .rrd recording."""
+    sweep: dict[str, list[object] | dict[str, Settings]] = {}
+
+
+class FlightPlan(FlightSettings):
+    """One flight, fully resolved: settings, and who it is. Same plan, same record."""
+
+    flight_id: str
+    """First 12 hexadecimal digits of a hash of everything else but the campaign."""
+    campaign: str
+    """Name of the campaign."""
+    cell: str
+    """The labels joined by '/'."""
+    labels: dict[str, str]
+    """Axis of the sweep to the label of its value."""
+    replicate: int
+    seed: int
