@@ -1,0 +1,1 @@
+"""ONE flight: the loop, its plants, autopilot, guidance, traffic and re-planning."""

@@ -1,0 +1,84 @@
+"""What the flight needs to know of an aircraft: ``aircraft.yaml``, read once and frozen."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field
+from ruamel.yaml import YAML
+
+from testbed.catalogue import aircraft_folders
+from testbed.spec.model import NonNegative, Number, Positive, Section
+
+
+class Model(Section):
+    """Where JSBSim finds the aircraft: beside the yaml (``own``) or among those that its wheel ships (``wheel``)."""
+
+    files: Literal["own", "wheel"]
+    name: str
+    gear_up: bool = True
+    mixture: Annotated[Number, Field(ge=0, le=1)] = 0.9
+
+
+class Limits(Section):
+    """What guidance may ask for."""
+
+    bank_deg: Positive
+    load_factor_min: Number
+    load_factor_max: Positive
+    roll_rate_dps: Positive
+    alpha_max_deg: Positive
+    alpha_max_1g_mps: Positive  # airspeed at which 1 g takes alpha_max: slower than that there is less lift to ask for
+    stall_mps: Positive
+
+
+class GuidanceGains(Section):
+    """The path-following law: a second-order error loop with an integral, and feed-forward of the curvature ahead."""
+
+    bandwidth_rad_s: Positive
+    damping: Positive
+    integral_1ps: NonNegative
+    bank_lead_s: NonNegative  # the lag from bank command to bank, made up for by looking ahead along the path
+    load_factor_lead_s: NonNegative
+
+
+class AutopilotGains(Section):
+    """Inner loops at ``reference_mps``; surface gains scale with (reference / airspeed)^2."""
+
+    reference_mps: Positive
+    bank_1ps: Positive  # roll rate asked for per bank error
+    aileron_per_roll_rate_s: Positive
+    aileron_feed_forward_s: NonNegative  # steady aileron per roll rate
+    elevator_per_load_factor: NonNegative  # feed-forward: steady elevator per g
+    elevator_p: NonNegative
+    elevator_i_1ps: NonNegative
+    elevator_per_pitch_rate_s: NonNegative
+    rudder_per_beta: Number
+    rudder_per_yaw_rate_s: NonNegative
+    throttle_per_mps: NonNegative
+    throttle_integral_1ps: NonNegative
+    throttle_per_accel_g: NonNegative  # throttle per g of longitudinal acceleration, climb included
+    throttle_lag_s: NonNegative  # of the engine, made up for by looking ahead along the path
+
+
+class Aircraft(Section):
+    """One aircraft: source, licence, limits, lags, gains."""
+
+    title: str
+    source: str
+    licence: str
+    model: Model
+    limits: Limits
+    command_lag_s: NonNegative  # actuator lag that the model itself lacks
+    guidance: GuidanceGains
+    autopilot: AutopilotGains
+    gains_found_by: str
+    folder: Path = Path()
+
+
+@lru_cache(maxsize=32)
+def load_aircraft(name: str) -> Aircraft:
+    """The aircraft of that folder name. Raises ``KeyError`` for an unknown one, pydantic's error for a bad file."""
+    folder = aircraft_folders()[name]
+    values = YAML(typ="safe").load(folder / "aircraft.yaml")
+    return Aircraft(**values, folder=folder)

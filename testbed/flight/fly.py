@@ -1,0 +1,112 @@
+"""One flight: the loop, written like the block diagram.
+
+    traffic -> sensor -> planner -> path -> guidance -> plant -> log
+
+``fly`` is pure seen from outside: same plan, same record, in any order, process or worker count. The loop never asks which
+plant it has. Time is an integer tick.
+"""
+
+import math
+from time import perf_counter
+
+from testbed.flight.air import make_wind
+from testbed.flight.aircraft import load_aircraft
+from testbed.flight.guidance import Law
+from testbed.flight.log import FlightLog, finish
+from testbed.flight.parts import GUIDANCE, PLANTS
+from testbed.flight.path import ActivePath
+from testbed.flight.plants.base import Plant, Start, State, TrimFailedError
+from testbed.flight.replan import Handled, Planner
+from testbed.flight.scene import Scene, make_scene
+from testbed.spec.model import FlightPlan
+from testbed.types import FlightRecord, Outcome
+
+GOAL_GATE_M = 20.0  # reached = crossing the goal's plane within this distance
+TIME_OUT = 3.0  # times the planned time
+HIGHEST_M = 1e5  # a state above this has diverged
+
+
+def fly(plan: FlightPlan) -> FlightRecord:
+    """Fly one plan. What happens to the aircraft is an outcome in the record, never an exception."""
+    began = perf_counter()
+    try:
+        scene = make_scene(plan, make_wind(plan.air))
+    except ValueError as error:
+        return finish(FlightLog(plan, math.nan), None, Outcome.NO_PATH, f"no route: {error}", {})
+    path = ActivePath((scene.route,))
+    log = FlightLog(plan, scene.begin_s_m)
+    log.change_path(0.0, path)
+    aircraft = load_aircraft(plan.aircraft)
+    try:
+        plant = PLANTS[plan.plant.kind](plan, aircraft, start_of(plan, scene), scene)
+    except TrimFailedError as error:
+        return finish(log, scene, Outcome.TRIM_FAILED, str(error), {"set_up_s": perf_counter() - began})
+    law = GUIDANCE[plan.guidance.kind](plan, aircraft)
+    ready = perf_counter()
+    outcome, message = _loop(plan, scene, path, plant, law, log)
+    flown = perf_counter()
+    return finish(log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": flown - ready}, plant)
+
+
+def _loop(plan: FlightPlan, scene: Scene, path: ActivePath, plant: Plant, law: Law, log: FlightLog) -> tuple[Outcome, str]:
+    """The block diagram."""
+    hz, ticks_per_command = plan.rates.plant_hz, range(plan.rates.plant_hz // plan.rates.guidance_hz)
+    planner_every = hz // plan.rates.planner_hz
+    planner, handled = Planner(plan, scene), Handled()
+    memory = law.start(scene.begin_s_m)
+    plant.follow(path, scene.begin_s_m)
+    ended = _Ending(plan, scene)
+    sample, write = plant.sample(), log.samples.extend
+    write(sample)
+    tick = 0
+    while True:
+        state = plant.state(sample)
+        if ended.check(tick, state):
+            return ended.outcome, ended.message
+        if tick % planner_every == 0:
+            handled, new_path, event = planner.step(handled, tick / hz, state)
+            if event is not None:
+                log.events.append(event)
+            if new_path is not None:
+                path, memory = new_path, law.start(0.0)
+                plant.follow(path, 0.0)
+                log.change_path(tick / hz, path)
+        command, memory, telemetry = law.step(memory, state, path)
+        log.guide(telemetry, plant.command(state, command))
+        for _ in ticks_per_command:
+            plant.step()
+            sample = plant.sample()
+            write(sample)
+            tick += 1
+
+
+def start_of(plan: FlightPlan, scene: Scene) -> Start:
+    """The state on the route at which the flight begins."""
+    point, tangent, curvature = scene.route.frame(scene.begin_s_m)
+    return Start(point, tangent, curvature, plan.speed_mps, scene.wind(0.0, point))
+
+
+class _Ending:
+    """Has the flight ended, and how? Asked at the guidance rate."""
+
+    def __init__(self, plan: FlightPlan, scene: Scene) -> None:
+        limit = TIME_OUT * scene.planned_time_s
+        self._last_tick = math.ceil(limit * plan.rates.plant_hz) if math.isfinite(limit) else 0
+        self._ground = plan.terrain_z_m
+        self._goal, (self._tx, self._ty, self._tz) = scene.goal, scene.goal_tangent
+        self.outcome, self.message = Outcome.TIMED_OUT, f"not at the goal after {limit:.1f} s, three times the planned time"
+
+    def check(self, tick: int, state: State) -> bool:
+        x, y, z = state.x, state.y, state.z
+        if not self._ground < z < HIGHEST_M or state.airspeed != state.airspeed:
+            if z <= self._ground:
+                self.outcome, self.message = Outcome.HIT_GROUND, "height above ground fell to zero"
+            else:
+                self.outcome, self.message = Outcome.DIVERGED, "a state became non-finite or left the model's range"
+            return True
+        gx, gy, gz = self._goal
+        along = (x - gx) * self._tx + (y - gy) * self._ty + (z - gz) * self._tz
+        if -1e-9 <= along <= GOAL_GATE_M and math.dist((x, y, z), self._goal) <= GOAL_GATE_M:
+            self.outcome, self.message = Outcome.REACHED, ""
+            return True
+        return tick >= self._last_tick

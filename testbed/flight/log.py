@@ -1,0 +1,139 @@
+"""The log of a flight: rows are appended as flat floats while it flies and become named columns once, at its end."""
+
+from array import array
+from time import perf_counter
+
+import numpy as np
+
+from testbed.flight.guidance import Telemetry
+from testbed.flight.path import ActivePath
+from testbed.flight.plants.base import Plant, State
+from testbed.flight.scene import Scene
+from testbed.flight.traffic import least_clearance
+from testbed.frames import quat_xyzw_from_euler
+from testbed.spec.model import FlightPlan
+from testbed.types import FlightRecord, Outcome, PlannedPath, ReplanEvent
+from vosc import ph
+
+Array = np.ndarray
+STATE_COLUMNS = {  # State field -> column
+    "bank": "own.bank_rad",
+    "pitch": "own.pitch_rad",
+    "heading": "own.heading_rad",
+    "load_factor": "own.load_factor",
+    "airspeed": "own.airspeed_mps",
+    "alpha": "own.alpha_rad",
+    "beta": "own.beta_rad",
+    "throttle": "own.throttle",
+    "elevator": "own.elevator",
+    "aileron": "own.aileron",
+    "rudder": "own.rudder",
+}
+
+
+class FlightLog:
+    """What one flight writes down. Only the loop appends."""
+
+    def __init__(self, plan: FlightPlan, begin_s_m: float) -> None:
+        self.plan, self.begin_s_m = plan, begin_s_m
+        self.samples = array("d")  # the plant's own rows, one a tick
+        self.guidance = array("d")
+        self.events: list[ReplanEvent] = []
+        self.paths: list[tuple[float, ActivePath]] = []
+
+    def guide(self, telemetry: Telemetry, at_stop: bool) -> None:
+        """One guidance tick."""
+        self.guidance.extend(telemetry)
+        self.guidance.append(at_stop)
+
+    def change_path(self, time_s: float, path: ActivePath) -> None:
+        """Guidance follows ``path`` from ``time_s`` on."""
+        self.paths.append((time_s, path))
+
+
+def finish(
+    log: FlightLog, scene: Scene | None, outcome: Outcome, message: str, timings: dict[str, float], plant: Plant | None = None
+) -> FlightRecord:
+    """Columns, least clearance and the final outcome. Without a plant nothing was flown."""
+    began = perf_counter()
+    columns, closest = _columns(log, scene, plant)
+    if closest < 0.0 and outcome not in (Outcome.DIVERGED, Outcome.HIT_GROUND):
+        outcome, message = Outcome.COLLIDED, f"came {-closest:.2f} m inside an obstacle"
+    elif outcome is Outcome.REACHED and (refused := [e for e in log.events if e.decision not in ("replanned", "none", "clear")]):
+        outcome, message = Outcome.NO_PATH, f"the planner had no path at {refused[0].time_s:.2f} s: {refused[0].decision}"
+    for column in columns.values():
+        column.flags.writeable = False
+    paths = tuple(PlannedPath(t, path.curves) for t, path in log.paths)
+    return FlightRecord(
+        log.plan, outcome, columns, tuple(log.events), paths, message, tuple({**timings, "log_s": perf_counter() - began}.items())
+    )
+
+
+def _states(log: FlightLog, plant: Plant | None) -> dict[str, Array]:
+    """Every field of the state as an array (n,)."""
+    if plant is None:
+        return {name: np.empty(0) for name in State._fields}
+    rows = np.frombuffer(log.samples).reshape(-1, len(plant.sample()))
+    return plant.state(list(rows.T))._asdict()
+
+
+def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[dict[str, Array], float]:
+    field = _states(log, plant)
+    time_s = np.arange(len(field["x"])) / log.plan.rates.plant_hz
+    columns = {
+        "time_s": time_s,
+        "own.pos_enu_m": np.column_stack([field[name] for name in ("x", "y", "z")]),
+        "own.vel_enu_mps": np.column_stack([field[name] for name in ("vx", "vy", "vz")]),
+        "own.rates_body_radps": np.column_stack([field[name] for name in ("p", "q", "r")]),
+        "own.quat_enu_from_body_xyzw": quat_xyzw_from_euler(field["bank"], field["pitch"], field["heading"]),
+        **{column: np.array(field[name]) for name, column in STATE_COLUMNS.items()},
+    }
+    columns |= _guidance_columns(log, len(time_s))
+    columns |= _path_columns(log, columns["own.pos_enu_m"], time_s, columns["guidance.s_m"])
+    closest = np.inf
+    for track in scene.tracks if scene else ():
+        centre = np.asarray(track.pos) + np.outer(time_s, track.vel)
+        columns[f"obstacle.{track.name}.pos_enu_m"] = centre
+        columns[f"obstacle.{track.name}.vel_enu_mps"] = np.tile(track.vel, (len(time_s), 1))
+        columns[f"obstacle.{track.name}.clearance_m"] = np.linalg.norm(columns["own.pos_enu_m"] - centre, axis=1) - track.radius
+        closest = min(closest, least_clearance(time_s, columns["own.pos_enu_m"], centre, track.radius).clearance_m)
+    return columns, closest
+
+
+def _guidance_columns(log: FlightLog, n: int) -> dict[str, Array]:
+    """Guidance rows held until the next one."""
+    rows = np.frombuffer(log.guidance, dtype=float).reshape(-1, len(Telemetry._fields) + 1)
+    every = log.plan.rates.plant_hz // log.plan.rates.guidance_hz
+    held = rows[np.minimum(np.arange(n) // every, len(rows) - 1)]
+    s_m, bank, load_factor, limited, at_stop = held.T
+    return {
+        "guidance.s_m": s_m.copy(),
+        "guidance.bank_cmd_rad": bank.copy(),
+        "guidance.load_factor_cmd": load_factor.copy(),
+        "guidance.saturated": np.maximum(limited, at_stop),
+    }
+
+
+def _path_columns(log: FlightLog, pos: Array, time_s: Array, s_m: Array) -> dict[str, Array]:
+    """Which path and piece was active, and the exact distance from it."""
+    leg, cross_track = np.zeros(len(pos)), np.zeros(len(pos))
+    index = np.searchsorted([t for t, _ in log.paths], time_s + 1e-9, side="right") - 1.0
+    for k, (_, path) in enumerate(log.paths):
+        mine = index == k
+        if mine.any():
+            cross_track[mine] = distance_from(path.curves, pos[mine])
+            leg[mine] = np.searchsorted(path.starts_m, s_m[mine], side="right") - 1
+    return {"path.index": index, "path.leg": np.maximum(leg, 0.0), "path.cross_track_m": cross_track}
+
+
+def distance_from(curves: tuple[ph.Curve, ...], pos: Array) -> Array:
+    """Exact 3-D distance (m,) of points (m,3) from a chain of curves, which goes on straight past its end; NaN for points that are."""
+    if not (good := np.isfinite(pos).all(axis=1)).all():
+        distance = np.full(len(pos), np.nan)
+        distance[good] = distance_from(curves, pos[good]) if good.any() else np.nan
+        return distance
+    nearest = np.min([curve.nearest(pos)[1] for curve in curves], axis=0)
+    point, tangent, _ = curves[-1].frame(curves[-1].length_m)
+    beyond = (pos - point) @ np.asarray(tangent)
+    aside = np.linalg.norm(pos - point - np.outer(beyond, tangent), axis=1)
+    return np.where(beyond > 0.0, np.minimum(nearest, aside), nearest)

@@ -1,0 +1,34 @@
+"""What can be plugged into the loop, by name. Adding one: write the file, add the line."""
+
+from collections.abc import Callable
+
+from testbed.flight.aircraft import Aircraft
+from testbed.flight.guidance import Law, LookAheadLaw
+from testbed.flight.plants.base import Plant, Start
+from testbed.flight.plants.kinematic import KinematicPlant
+from testbed.flight.scene import Scene
+from testbed.spec.model import FlightPlan
+
+
+def _kinematic(plan: FlightPlan, _aircraft: Aircraft, start: Start, scene: Scene) -> Plant:
+    return KinematicPlant(start, scene.wind, plan.rates.plant_hz, plan.speed_hold == "airspeed")
+
+
+def _jsbsim(plan: FlightPlan, aircraft: Aircraft, start: Start, _scene: Scene) -> Plant:
+    from testbed.flight.plants.jsbsim import JsbsimPlant  # JSBSim is loaded only by flights that need it
+
+    return JsbsimPlant(aircraft, start, plan.rates.plant_hz, plan.rates.guidance_hz, plan.terrain_z_m)
+
+
+def _look_ahead(plan: FlightPlan, aircraft: Aircraft) -> Law:
+    return LookAheadLaw(aircraft, plan.speed_mps, plan.speed_hold == "airspeed", 1.0 / plan.rates.guidance_hz)
+
+
+PLANTS: dict[str, Callable[[FlightPlan, Aircraft, Start, Scene], Plant]] = {
+    "kinematic": _kinematic,
+    "jsbsim": _jsbsim,
+}
+
+GUIDANCE: dict[str, Callable[[FlightPlan, Aircraft], Law]] = {
+    "look_ahead": _look_ahead,
+}

@@ -1,0 +1,1 @@
+"""What flies: plants of growing fidelity behind one protocol (see ``base``)."""

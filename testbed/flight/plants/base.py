@@ -1,0 +1,91 @@
+"""The plant's side of the loop: what it shows (``State``), what it is told (``Command``), what it must do (``Plant``)."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+from testbed.frames import Vec3
+
+
+class TrimFailedError(RuntimeError):
+    """The aircraft does not fly level and straight at the set speed."""
+
+
+class State(NamedTuple):
+    """One sample of the aircraft. ENU metres and m/s over the ground, radians; also one row of the log.
+
+    Controls are the commands that the aircraft received: throttle 0..1, surfaces -1..1 in the sense of the aircraft's
+    own file (elevator + nose down, aileron + rolls right, rudder + nose left). NaN where a plant has no such thing.
+    """
+
+    x: float
+    y: float
+    z: float
+    vx: float
+    vy: float
+    vz: float
+    bank: float
+    pitch: float
+    heading: float  # compass: clockwise from north
+    load_factor: float  # along the body's -z axis, 1 in level flight
+    airspeed: float
+    alpha: float
+    beta: float
+    p: float
+    q: float
+    r: float
+    throttle: float
+    elevator: float
+    aileron: float
+    rudder: float
+
+
+class Command(NamedTuple):
+    """What guidance asks of any plant. ``s_m`` is where on the active path the aircraft should be taken to be."""
+
+    bank: float
+    load_factor: float
+    speed: float  # m/s, true airspeed
+    sin_climb: float  # of the path as far ahead as the engine lags, for the throttle's feed-forward
+    accel: float  # m/s^2 along the path that the speed schedule asks for
+
+
+class Start(NamedTuple):
+    """The state that a flight starts from. ``curvature`` is dT/ds of the path there (1/m)."""
+
+    pos: Vec3
+    tangent: Vec3
+    curvature: Vec3
+    speed: float  # true airspeed, m/s
+    wind: Vec3  # velocity of the air over the ground, ENU m/s
+
+
+class Plant(Protocol):
+    """One flight of one aircraft. ``follow`` at every change of path, ``command`` at the guidance rate, ``step`` and ``sample`` every tick.
+
+    A sample is what the plant has at hand; ``state`` makes a ``State`` of it. Most ticks are only logged, so turning samples into
+    states is left to those who need one: the loop at the guidance rate, the log once for the whole flight (as arrays).
+    """
+
+    def sample(self) -> Sequence[float]:
+        """One row of the plant's own raw log."""
+
+    def state(self, sample: Sequence[Any]) -> State:
+        """The state in a sample. Arithmetic only, so that columns (n,) in give columns out."""
+
+    def follow(self, path: "Followable", s_m: float) -> None:
+        """A new path is active, and the aircraft stands at ``s_m`` of it (only a point on rails needs to know)."""
+
+    def command(self, state: State, command: Command) -> bool:
+        """Take a command; true when the aircraft is at one of its stops."""
+
+    def step(self) -> None: ...
+
+
+class Followable(Protocol):
+    """A path by arc length."""
+
+    @property
+    def length_m(self) -> float: ...
+
+    def frame(self, s_m: float) -> tuple[Vec3, Vec3, Vec3]:
+        """Point, unit tangent and curvature vector dT/ds at an arc length; straight beyond either end."""

@@ -1,0 +1,220 @@
+"""Six degrees of freedom: JSBSim flies the aircraft, the autopilot holds its commands.
+
+The only file that imports jsbsim, and the only one with feet in it. JSBSim creates a property that is written under a
+wrong name and reads 0 from a missing one, so every name is looked up once, refused when absent, and kept as a bound method.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jsbsim
+
+from testbed.flight.air import ground_speed_along
+from testbed.flight.aircraft import Aircraft
+from testbed.flight.autopilot import Autopilot, Memory
+from testbed.flight.plants.base import Command, Followable, Start, State, TrimFailedError
+from testbed.flight.plants.kinematic import coordinated
+from testbed.frames import Vec3, body_rates, enu_from_wind_axes, euler_from_enu_from_body
+from testbed.units import DEG, FT
+
+LATITUDE_DEG = 37.0  # where the flat ground of the ENU frame touches the ellipsoid; any mid latitude does
+FLAT_RAD = 0.5 * DEG  # a climb less steep than this starts from the level trim
+OBSERVED = (
+    *(f"position/ecef-{axis}-ft" for axis in "xyz"),
+    *(f"velocities/v-{axis}-fps" for axis in ("east", "north", "down")),
+    "attitude/phi-rad",
+    "attitude/theta-rad",
+    "attitude/psi-rad",
+    "accelerations/Nz",
+    "velocities/vt-fps",
+    "aero/alpha-rad",
+    "aero/beta-rad",
+    "velocities/p-rad_sec",
+    "velocities/q-rad_sec",
+    "velocities/r-rad_sec",
+)
+
+
+class _Quiet(jsbsim.FGLogger):
+    """Swallows JSBSim's console output; what matters is checked and reported by us."""
+
+    def set_level(self, level: object) -> None: ...
+    def file_location(self, filename: str, line: int) -> None: ...
+    def message(self, message: str) -> None: ...
+    def format(self, format: object) -> None: ...
+    def flush(self) -> None: ...
+
+
+_quiet = _Quiet()
+
+
+def load_model(aircraft: Aircraft, plant_hz: int) -> jsbsim.FGFDMExec:
+    """A fresh executive with the aircraft loaded (a used one keeps fuel, engine and filter state: never reuse it)."""
+    jsbsim.FGJSBBase().debug_lvl = 0
+    jsbsim.set_logger(_quiet)
+    own = aircraft.model.files == "own"
+    fdm = jsbsim.FGFDMExec(str(aircraft.folder.parent.parent) if own else jsbsim.get_default_root_dir())
+    if own:
+        fdm.set_aircraft_path(str(aircraft.folder.parent))
+    fdm.set_dt(1.0 / plant_hz)
+    if not fdm.load_model(aircraft.model.name):
+        raise FileNotFoundError(f"JSBSim cannot load '{aircraft.model.name}' ({aircraft.model.files} files)")
+    return fdm
+
+
+def node(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:
+    """The property of that name. Raises ``KeyError`` when the aircraft has none."""
+    found = fdm.get_property_manager().get_node(name)
+    if found is None:
+        raise KeyError(f"this aircraft has no property '{name}'")
+    return found
+
+
+class Trim(NamedTuple):
+    """Straight flight in still air: the throttle of level flight, and the angle of attack of the trim the aircraft is in."""
+
+    throttle: float
+    alpha: float
+
+
+def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, height_m: float) -> Trim:
+    """Trim at a true airspeed and a height above the ground. Raises ``TrimFailedError``."""
+    set_ = fdm.__setitem__
+    fdm["atmosphere/turb-type"] = 0
+    fdm["ic/terrain-elevation-ft"] = 0.0
+    fdm["ic/lat-geod-deg"], fdm["ic/long-gc-deg"], fdm["ic/h-sl-ft"] = LATITUDE_DEG, 0.0, height_m / FT
+    fdm["ic/vt-fps"], fdm["ic/gamma-deg"], fdm["ic/psi-true-deg"] = speed_mps / FT, 0.0, 0.0
+    if aircraft.model.gear_up and fdm.get_property_manager().get_node("gear/gear-cmd-norm") is not None:
+        fdm["gear/gear-cmd-norm"] = fdm["gear/gear-pos-norm"] = 0.0
+    for i in range(fdm.get_propulsion().get_num_engines()):
+        set_(f"fcs/mixture-cmd-norm[{i}]", aircraft.model.mixture)
+        set_(f"fcs/advance-cmd-norm[{i}]", 1.0)
+    fdm["propulsion/magneto_cmd"] = 3
+    fdm.run_ic()
+    fdm["propulsion/set-running"] = -1
+    fdm["propulsion/fuel_freeze"] = 1
+    if not _trims(fdm):
+        raise TrimFailedError(f"no level trim at {speed_mps:g} m/s, {height_m:.0f} m")
+    return Trim(fdm["fcs/throttle-cmd-norm"], fdm["aero/alpha-rad"])
+
+
+def _trims(fdm: jsbsim.FGFDMExec) -> bool:
+    try:
+        fdm["simulation/do_simple_trim"] = 1
+    except jsbsim.TrimFailureError:  # it leaves throttle and alpha at 0: do not fly on from there
+        return False
+    return True
+
+
+def spool_up(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, start: Start, level: Trim, height_m: float) -> tuple[jsbsim.FGFDMExec, Trim]:
+    """Trim again in the climb of the path, so that the engine starts with the power that the path needs there.
+
+    An engine that needs seconds to spool up would otherwise start every climbing flight late. Where the climb cannot be trimmed
+    the level trim stands. Returns the executive to fly on with, since a failed trim spoils the one it was tried on.
+    """
+    climb = math.asin(max(-1.0, min(1.0, start.tangent[2])))
+    if abs(climb) < FLAT_RAD:
+        return fdm, level
+    fdm["ic/gamma-rad"] = climb
+    fdm.run_ic()
+    if _trims(fdm):
+        return fdm, Trim(level.throttle, fdm["aero/alpha-rad"])
+    fresh = load_model(aircraft, round(1.0 / fdm.get_delta_t()))
+    return fresh, trim_level(fresh, aircraft, start.speed, height_m)
+
+
+def issue(fdm: jsbsim.FGFDMExec, start: Start, alpha_trim: float, alpha_extra: float, height_m: float) -> tuple[float, float]:
+    """Put the trimmed aircraft on the path: track, climb, bank and turn of the curve there, in the wind.
+
+    ``alpha_extra`` is added to the trim's angle of attack. Returns the load factor that the path needs there, and the
+    load factor that the aircraft has.
+    """
+    ground_speed = ground_speed_along(start.tangent, start.speed, start.wind)
+    vel: Vec3 = tuple(ground_speed * t for t in start.tangent)  # type: ignore[assignment]
+    square = ground_speed * ground_speed
+    bank, load_factor = coordinated(vel, (square * start.curvature[0], square * start.curvature[1], square * start.curvature[2]))
+    air: Vec3 = tuple(v - w for v, w in zip(vel, start.wind, strict=True))  # type: ignore[assignment]
+    attitude = enu_from_wind_axes(air, bank, alpha_trim + alpha_extra)
+    roll, pitch, heading = euler_from_enu_from_body(attitude)
+    rates = body_rates(attitude, start.tangent, start.curvature, ground_speed)
+    wind_speed = math.hypot(start.wind[0], start.wind[1])
+    fdm["ic/h-sl-ft"] = height_m / FT
+    fdm["ic/vw-mag-fps"] = wind_speed / FT
+    fdm["ic/vw-dir-deg"] = math.atan2(start.wind[0], start.wind[1]) / DEG  # JSBSim: the direction the air moves TOWARD
+    fdm["ic/vn-fps"], fdm["ic/ve-fps"], fdm["ic/vd-fps"] = vel[1] / FT, vel[0] / FT, -vel[2] / FT
+    fdm["ic/theta-rad"], fdm["ic/phi-rad"], fdm["ic/psi-true-rad"] = pitch, roll, heading
+    fdm["ic/p-rad_sec"], fdm["ic/q-rad_sec"], fdm["ic/r-rad_sec"] = rates
+    fdm.run_ic()
+    return load_factor, fdm["accelerations/Nz"]
+
+
+def begin(fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float) -> None:
+    """Two probes give the lift slope; the third start has the angle of attack that the path's load factor needs."""
+    probe = 1.0 * DEG
+    wanted, low = issue(fdm, start, trim.alpha, 0.0, height_m)
+    _, high = issue(fdm, start, trim.alpha, probe, height_m)
+    extra = probe * (wanted - low) / (high - low)
+    issue(fdm, start, trim.alpha, max(-5.0 * DEG, min(5.0 * DEG, extra)), height_m)
+
+
+class JsbsimPlant:
+    """One flight in JSBSim, from a trimmed start. Raises ``TrimFailedError``."""
+
+    def __init__(self, aircraft: Aircraft, start: Start, plant_hz: int, guidance_hz: int, terrain_z_m: float) -> None:
+        fdm = load_model(aircraft, plant_hz)
+        height = start.pos[2] - terrain_z_m
+        fdm, trim = spool_up(fdm, aircraft, start, trim_level(fdm, aircraft, start.speed, height), height)
+        begin(fdm, start, trim, height)
+        self._fdm = fdm  # the bound methods below do not keep it alive
+        self._autopilot = Autopilot(aircraft, trim.throttle, 1.0 / guidance_hz)
+        self._memory = Memory()
+        lag = aircraft.command_lag_s
+        self._share = 1.0 - math.exp(-1.0 / (guidance_hz * lag)) if lag > 0.0 else 1.0
+        self._read = tuple(node(fdm, name).get_double_value for name in OBSERVED)
+        self._set_elevator = node(fdm, "fcs/elevator-cmd-norm").set_double_value
+        self._set_aileron = node(fdm, "fcs/aileron-cmd-norm").set_double_value
+        self._set_rudder = node(fdm, "fcs/rudder-cmd-norm").set_double_value
+        engines = fdm.get_propulsion().get_num_engines()
+        self._set_throttles = tuple(node(fdm, f"fcs/throttle-cmd-norm[{i}]").set_double_value for i in range(engines))
+        self.step_bare = fdm.run  # JSBSim's own call, for the benchmark
+        # throttle, elevator, aileron, rudder; the surfaces beside the pitch trim, which JSBSim keeps in its own property
+        self._out = (fdm["fcs/throttle-cmd-norm"], 0.0, 0.0, 0.0)
+        self._origin = (*(read() for read in self._read[:3]), *start.pos)
+        latitude = fdm["position/lat-geod-rad"]
+        self._sin, self._cos = math.sin(latitude), math.cos(latitude)
+
+    def follow(self, path: Followable, s_m: float) -> None:
+        """Guidance knows the path; the aeroplane does not."""
+
+    def sample(self) -> Sequence[float]:
+        row = [read() for read in self._read]
+        row += self._out
+        return row
+
+    def state(self, sample: Sequence[Any]) -> State:
+        ex, ey, ez, ve, vn, vd, bank, pitch, heading, load_factor, airspeed, alpha, beta, p, q, r, *controls = sample
+        ox, oy, oz, x0, y0, z0 = self._origin
+        dx, dz = FT * (ex - ox), FT * (ez - oz)  # ECEF at longitude 0: east is +y, north and up lie in the x-z plane
+        sin, cos = self._sin, self._cos
+        x, y, z = x0 + FT * (ey - oy), y0 + cos * dz - sin * dx, z0 + cos * dx + sin * dz
+        motion = (x, y, z, FT * ve, FT * vn, -FT * vd, bank, pitch, heading, load_factor, FT * airspeed, alpha, beta, p, q, r)
+        return State._make((*motion, *controls))
+
+    def command(self, state: State, command: Command) -> bool:
+        surfaces, self._memory = self._autopilot.step(self._memory, state, command)
+        k = self._share
+        _, elevator, aileron, rudder = self._out
+        elevator += k * (surfaces.elevator - elevator)
+        aileron += k * (surfaces.aileron - aileron)
+        rudder += k * (surfaces.rudder - rudder)
+        self._out = (surfaces.throttle, elevator, aileron, rudder)
+        self._set_elevator(elevator)
+        self._set_aileron(aileron)
+        self._set_rudder(rudder)
+        for set_throttle in self._set_throttles:
+            set_throttle(surfaces.throttle)
+        return surfaces.saturated
+
+    def step(self) -> None:
+        self.step_bare()

@@ -1,0 +1,94 @@
+"""The stage of a flight: route, where it begins, and every obstacle's straight line, in the frame that is flown."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from testbed.flight.air import Wind, ground_speed_along
+from testbed.flight.traffic import Track
+from testbed.frames import Vec3, unit_from_direction, vec3
+from testbed.spec.model import FlightPlan
+from testbed.units import DEG
+from vosc import ph
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the plan describes, in numbers: ``begin_s_m`` is the arc length of the route at which the flight starts."""
+
+    route: ph.Curve
+    begin_s_m: float
+    planned_time_s: float  # from the start to the goal
+    tracks: tuple[Track, ...]
+    goal: Vec3
+    goal_tangent: Vec3
+    wind: Wind
+
+
+def make_scene(plan: FlightPlan, wind: Wind) -> Scene:
+    """Route, start and traffic of a plan. Raises ``ValueError`` when the route cannot be built or has no such start."""
+    start, goal = np.array(plan.route.start_enu_m), np.array(plan.route.goal_enu_m)
+    ends = np.array([unit_from_direction(*plan.route.start_direction_deg), unit_from_direction(*plan.route.goal_direction_deg)])
+    turn = level_rotation(ends[0], ends[1]) if plan.geometry == "level" else np.eye(3)
+    place = lambda point: start + turn @ (np.asarray(point) - start)  # noqa: E731
+    size = plan.route.magnitude_chords * float(np.linalg.norm(goal - start))
+    first, last = size * turn @ ends[0], size * turn @ ends[1]
+    route = ph.hermite(start, first, place(goal), last)
+    begin_s = _begin(plan, route)
+    timing = lambda s_m: planned_time(route, begin_s, s_m, plan, wind)  # noqa: E731
+    tracks = []
+    for spec in plan.obstacles:
+        velocity = spec.speed_mps * turn @ np.array(unit_from_direction(*spec.direction_deg))
+        if spec.when.own_reaches_enu_m is None:
+            when = spec.when.time_s or 0.0
+        else:
+            when = timing(float(route.nearest(place(spec.when.own_reaches_enu_m)[None])[0][0]))
+        position = place(spec.position_enu_m) - when * velocity
+        tracks.append(Track(spec.name, spec.radius_m, vec3(position), vec3(velocity)))
+    goal_tangent = vec3(last / np.linalg.norm(last))
+    return Scene(route, begin_s, timing(route.length_m), tuple(tracks), vec3(place(goal)), goal_tangent, wind)
+
+
+def level_rotation(first: Array, last: Array) -> Array:
+    """The least rotation (3,3) that makes two directions horizontal: the normal of their plane is turned upright.
+
+    For parallel directions the plane is the one that holds them and the horizontal across them.
+    """
+    normal = np.cross(first, last)
+    if np.linalg.norm(normal) < 1e-9:
+        across = np.array([-first[1], first[0], 0.0])
+        normal = np.cross(first, across if np.linalg.norm(across) > 1e-9 else np.array([1.0, 0.0, 0.0]))
+    normal = normal / np.linalg.norm(normal) * (1.0 if normal[2] >= 0.0 else -1.0)
+    axis, cos = np.cross(normal, [0.0, 0.0, 1.0]), normal[2]
+    skew = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+    return np.eye(3) + skew + skew @ skew / (1.0 + cos)
+
+
+def _begin(plan: FlightPlan, route: ph.Curve) -> float:
+    if plan.begin.at_route_s_m is not None:
+        if plan.begin.at_route_s_m >= route.length_m:
+            raise ValueError(f"begin.at_route_s_m {plan.begin.at_route_s_m:g} is past the end of the route ({route.length_m:.1f} m)")
+        return plan.begin.at_route_s_m
+    limit = np.sin((plan.begin.climb_at_most_deg or 0.0) * DEG)
+    s = np.linspace(0.0, route.length_m, 4001)
+    climb = route.sample(s)[1][:, 2]
+    below = np.flatnonzero(climb <= limit)
+    if not len(below):
+        raise ValueError(f"begin.climb_at_most_deg {plan.begin.climb_at_most_deg:g}: the route climbs more everywhere")
+    k = int(below[0])
+    if k == 0:
+        return 0.0
+    share = (climb[k - 1] - limit) / (climb[k - 1] - climb[k])
+    return float(s[k - 1] + share * (s[k] - s[k - 1]))
+
+
+def planned_time(route: ph.Curve, from_s_m: float, to_s_m: float, plan: FlightPlan, wind: Wind) -> float:
+    """Seconds that the plan allows between two arc lengths, at the set speed in the wind (infinite where the wind is too strong)."""
+    air = wind(0.0, (0.0, 0.0, 0.0))
+    if plan.speed_hold == "groundspeed" or not any(air):
+        return (to_s_m - from_s_m) / plan.speed_mps
+    s = np.linspace(from_s_m, to_s_m, 401)
+    speeds = [ground_speed_along(vec3(t), plan.speed_mps, air) for t in route.sample(s)[1]]
+    return float(np.trapezoid([1.0 / v if v > 0.0 else np.inf for v in speeds], s))

@@ -1,0 +1,17 @@
+"""What the planner sees of the traffic: here the truth, within a range of the obstacle's centre."""
+
+import math
+
+from testbed.flight.traffic import Track
+from testbed.frames import Vec3
+from testbed.spec.model import Sensor
+
+
+def detect(sensor: Sensor, tracks: tuple[Track, ...], time_s: float, own_pos: Vec3) -> list[tuple[Track, Vec3]]:
+    """Every obstacle whose centre is within range, with its position now."""
+    seen = []
+    for track in tracks:
+        centre = track.at(time_s)
+        if math.dist(centre, own_pos) <= sensor.range_m:
+            seen.append((track, centre))
+    return seen

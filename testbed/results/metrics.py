@@ -1,0 +1,181 @@
+"""From a record to one row of ``results.csv``. Nothing is flown here."""
+
+import math
+
+import numpy as np
+
+from testbed.flight.air import make_wind
+from testbed.flight.scene import planned_time
+from testbed.flight.traffic import least_clearance
+from testbed.types import FlightMetrics, FlightRecord, Outcome
+from testbed.units import DEG
+from vosc import ph
+
+Array = np.ndarray
+NAN = math.nan
+AT_GOAL_M = 1e-9  # a point that stops at the goal is on the plane up to rounding
+
+
+def measure(record: FlightRecord) -> FlightMetrics:
+    """The metrics of a flight, as ``FlightMetrics`` names them; NaN where a quantity does not exist."""
+    columns = record.columns
+    end, share = goal_crossing(record)
+    flown = slice(0, end + 1)  # rows on this side of the goal's plane
+    first = next((event for event in record.events if event.decision == "replanned"), None)
+    clearance, at, nearest = closest_approach(record)
+    cross_track = columns["path.cross_track_m"][flown]
+    roll_rate = columns["own.rates_body_radps"][flown, 0]
+    if np.isnan(roll_rate).all():
+        roll_rate = demanded_roll_rate(record)[flown]
+    curvature = [curve.max_curvature() for curve in record.paths[-1].curves] if record.paths else []
+    return FlightMetrics(
+        outcome=record.outcome.value,
+        least_clearance_m=clearance,
+        time_at_least_clearance_s=at,
+        nearest_obstacle=nearest,
+        replans=sum(event.decision == "replanned" for event in record.events),
+        trigger_time_s=record.events[0].time_s if record.events else NAN,
+        deflection_deg=first.deflection_rad / DEG if first else NAN,
+        path_length_m=flown_length(record, end, share),
+        flight_time_s=(end + share) / record.plan.rates.plant_hz if len(cross_track) else NAN,
+        cross_track_rms_m=float(np.sqrt(np.mean(cross_track**2))) if len(cross_track) else NAN,
+        cross_track_max_m=extreme(np.max, cross_track),
+        schedule_error_s=schedule_error(record, at, end + share),
+        max_bank_deg=extreme(np.max, np.abs(columns["own.bank_rad"][flown])) / DEG,
+        max_load_factor=extreme(np.max, columns["own.load_factor"][flown]),
+        min_load_factor=extreme(np.min, columns["own.load_factor"][flown]),
+        max_roll_rate_dps=extreme(np.max, np.abs(roll_rate)) / DEG,
+        min_airspeed_mps=extreme(np.min, columns["own.airspeed_mps"][flown]),
+        max_airspeed_mps=extreme(np.max, columns["own.airspeed_mps"][flown]),
+        max_alpha_deg=extreme(np.max, columns["own.alpha_rad"][flown]) / DEG,
+        planned_length_m=record.paths[-1].length_m if record.paths else NAN,
+        planned_min_radius_m=1.0 / max(curvature) if curvature and max(curvature) > 0.0 else NAN,
+        planned_clearance_m=planned_clearance(record),
+        saturated_share=float(np.mean(columns["guidance.saturated"][flown])) if len(cross_track) else NAN,
+        begin_s_m=float(columns["guidance.s_m"][0]) if len(cross_track) else NAN,
+    )
+
+
+def extreme(pick: object, values: Array) -> float:
+    """The largest or least finite value; NaN when there is none."""
+    finite = values[np.isfinite(values)]
+    return float(pick(finite)) if len(finite) else NAN  # type: ignore[operator]
+
+
+def goal_crossing(record: FlightRecord) -> tuple[int, float]:
+    """Last row on this side of the goal's plane, and the share of the next step until the plane (0 if it was not reached)."""
+    pos = record.columns["own.pos_enu_m"]
+    last = len(pos) - 1
+    if record.outcome not in (Outcome.REACHED, Outcome.COLLIDED, Outcome.NO_PATH) or last < 1:
+        return last, 0.0
+    curve = record.paths[-1].curves[-1]
+    goal, tangent, _ = curve.frame(curve.length_m)
+    recent = max(0, last - record.plan.rates.plant_hz // record.plan.rates.guidance_hz)  # the end is looked for at the guidance rate
+    beyond = (pos[recent:] - goal) @ np.asarray(tangent)
+    crossed = np.flatnonzero(beyond > -AT_GOAL_M)
+    if not len(crossed) or not (k := int(crossed[0])):
+        return last, 0.0
+    return recent + k - 1, float(np.clip(-beyond[k - 1] / (beyond[k] - beyond[k - 1]), 0.0, 1.0))
+
+
+def flown_length(record: FlightRecord, end: int, share: float) -> float:
+    """Ground arc flown, up to the goal's plane, m."""
+    pos = record.columns["own.pos_enu_m"]
+    if not len(pos):
+        return NAN
+    steps = np.linalg.norm(np.diff(pos[: end + 2], axis=0), axis=1)
+    return float(np.sum(steps[:end]) + (share * steps[end] if share > 0.0 else 0.0))
+
+
+def closest_approach(record: FlightRecord) -> tuple[float, float, str]:
+    """Least clearance (m) over all obstacles, its time (s) and the obstacle's name; (NaN, NaN, "") without obstacles."""
+    columns = record.columns
+    found = (NAN, NAN, "")
+    for obstacle in record.plan.obstacles:
+        centre = columns.get(f"obstacle.{obstacle.name}.pos_enu_m")
+        if centre is None or not len(centre):
+            continue
+        approach = least_clearance(columns["time_s"], columns["own.pos_enu_m"], centre, obstacle.radius_m)
+        if not found[0] <= approach.clearance_m:
+            found = (approach.clearance_m, approach.time_s, obstacle.name)
+    return found
+
+
+def schedule_error(record: FlightRecord, at_s: float, end_row: float) -> float:
+    """Seconds late (positive) along the active path at closest approach, or at the end of a flight without obstacles."""
+    columns = record.columns
+    n = len(columns["time_s"])
+    if not n or not record.paths:
+        return NAN
+    hz = record.plan.rates.plant_hz
+    row = end_row if math.isnan(at_s) else at_s * hz
+    k = min(int(row), n - 1)
+    active = int(columns["path.index"][k])
+    path = record.paths[active]
+    first = round(path.from_time_s * hz)
+    pos = columns["own.pos_enu_m"][k] + (row - k) * columns["own.vel_enu_mps"][k] / hz
+    if not np.isfinite(pos).all():
+        return NAN
+    s_m = project(path.curves, pos)
+    s_begin = project(path.curves, columns["own.pos_enu_m"][first])
+    return float(row / hz - path.from_time_s - scheduled(record, active, s_begin, s_m))
+
+
+def project(curves: tuple[ph.Curve, ...], pos: Array) -> float:
+    """Arc length, over a chain of curves, of the point nearest to a position (3,); straight on past the end."""
+    best, before, found = math.inf, 0.0, 0.0
+    for curve in curves:
+        s, distance = (float(v[0]) for v in curve.nearest(pos[None]))
+        if distance < best:
+            best, found = distance, before + s
+        before += curve.length_m
+    point, tangent, _ = curves[-1].frame(curves[-1].length_m)
+    beyond = float((pos - point) @ np.asarray(tangent))
+    return before + beyond if found == before and beyond > 0.0 else found
+
+
+def scheduled(record: FlightRecord, active: int, from_s: float, to_s: float) -> float:
+    """Seconds that the plan allows between two arc lengths of a path."""
+    wind = make_wind(record.plan.air)
+    total, before = 0.0, 0.0
+    for curve in record.paths[active].curves:
+        low, high = (min(max(s - before, 0.0), curve.length_m) for s in (from_s, to_s))
+        total += planned_time(curve, low, high, record.plan, wind)
+        before += curve.length_m
+    return total + max(0.0, to_s - before) / record.plan.speed_mps
+
+
+def planned_clearance(record: FlightRecord) -> float:
+    """Least clearance (m) of a point that keeps to the active paths and to their schedule, each from where it began."""
+    if not record.plan.obstacles or not record.paths or not len(record.columns["time_s"]):
+        return NAN
+    time_s, hz = record.columns["time_s"], record.plan.rates.plant_hz
+    point = np.full((len(time_s), 3), NAN)
+    for active, path in enumerate(record.paths):
+        mine = np.flatnonzero(record.columns["path.index"] == active)
+        if not len(mine):
+            continue
+        s = project(path.curves, record.columns["own.pos_enu_m"][mine[0]]) + record.plan.speed_mps * (mine - mine[0]) / hz
+        before = 0.0
+        for curve in path.curves:
+            inside = (s >= before) & (s <= before + curve.length_m)
+            point[mine[inside]] = curve.sample(s[inside] - before)[0]
+            before += curve.length_m
+    clearances = [
+        least_clearance(time_s, point, record.columns[f"obstacle.{o.name}.pos_enu_m"], o.radius_m).clearance_m
+        for o in record.plan.obstacles
+    ]
+    return float(np.nanmin(clearances))
+
+
+def demanded_roll_rate(record: FlightRecord) -> Array:
+    """Roll rate (rad/s) of the bank column, for a plant without body rates; NaN where the path or its piece changes: bank jumps."""
+    bank, hz = np.unwrap(record.columns["own.bank_rad"]), record.plan.rates.plant_hz
+    if len(bank) < 2:
+        return np.full(len(bank), NAN)
+    piece = record.columns["path.index"] * 1000.0 + record.columns["path.leg"]
+    rate = np.append(np.diff(bank) * hz, NAN)
+    held = hz // record.plan.rates.guidance_hz  # the piece is known at the guidance rate only
+    for change in np.flatnonzero(np.diff(piece) != 0.0):
+        rate[max(0, change - held) : change + held + 1] = NAN
+    return rate

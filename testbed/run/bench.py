@@ -1,0 +1,75 @@
+"""What a flight costs beside bare JSBSim stepping of as many steps, measured side by side in one process.
+
+The two are timed in turn, pair by pair, and the ratio of each pair is what counts: the machine's speed cancels.
+"""
+
+import statistics
+from time import perf_counter
+
+from testbed.flight.air import make_wind
+from testbed.flight.aircraft import load_aircraft
+from testbed.flight.fly import fly, start_of
+from testbed.flight.plants.jsbsim import JsbsimPlant
+from testbed.flight.scene import make_scene
+from testbed.spec.model import FlightPlan
+
+FLIGHT_S = 12.0
+PAIRS = 21
+
+
+def bench() -> str:
+    """A table: microseconds per tick of the closed loop and of bare stepping, their ratio, and what set-up costs."""
+    lines = [
+        f"{FLIGHT_S:g} s at 120 Hz, guidance at 60 Hz, one obstacle in range, against bare stepping: medians of {PAIRS} pairs",
+        f"{'aircraft':<10}{'loop us/tick':>14}{'bare us/tick':>14}{'ratio':>8}{'':>16}{'set-up ms':>12}{'log ms':>9}",
+    ]
+    for name in ("gtm_t2", "c172p"):
+        loop, bare, set_up, log = zip(*(_pair(_plan(name)) for _ in range(PAIRS)), strict=True)
+        ratios = sorted(a / b for a, b in zip(loop, bare, strict=True))
+        spread = f"({ratios[0]:.2f}-{ratios[-1]:.2f})"
+        middle = statistics.median
+        lines.append(
+            f"{name:<10}{middle(loop) * 1e6:>14.2f}{middle(bare) * 1e6:>14.2f}{middle(ratios):>8.2f}{spread:>16}"
+            f"{middle(set_up) * 1e3:>12.1f}{middle(log) * 1e3:>9.1f}"
+        )
+    return "\n".join(lines)
+
+
+def _plan(aircraft: str) -> FlightPlan:
+    """A level route of just ``FLIGHT_S`` at 50 m/s with one obstacle that stays in range and is no threat."""
+    length = 50.0 * FLIGHT_S
+    return FlightPlan.model_validate(
+        {
+            "flight_id": "bench",
+            "campaign": "bench",
+            "cell": "bench",
+            "labels": {},
+            "replicate": 0,
+            "seed": 0,
+            "speed_mps": 50.0,
+            "route": {
+                "start_enu_m": [0, 0, 0],
+                "goal_enu_m": [length * 0.98, length * 0.1, 0],
+                "start_direction_deg": [20.0, 0.0],
+                "goal_direction_deg": [-10.0, 0.0],
+            },
+            "obstacles": [{"name": "O", "radius_m": 10, "position_enu_m": [0, -60, 0], "speed_mps": 50, "direction_deg": [5.8, 0]}],
+            "plant": {"kind": "jsbsim"},
+            "aircraft": aircraft,
+        }
+    )
+
+
+def _pair(plan: FlightPlan) -> tuple[float, float, float, float]:
+    """Seconds per tick in the loop, seconds per tick bare, seconds of set-up, seconds of turning the log into columns."""
+    record = fly(plan)
+    timings = dict(record.timings)
+    ticks = len(record.columns["time_s"]) - 1
+    scene = make_scene(plan, make_wind(plan.air))
+    plant = JsbsimPlant(load_aircraft(plan.aircraft), start_of(plan, scene), plan.rates.plant_hz, plan.rates.guidance_hz, plan.terrain_z_m)
+    run = plant.step_bare
+    began = perf_counter()
+    for _ in range(ticks):
+        run()
+    bare = perf_counter() - began
+    return timings["fly_s"] / ticks, bare / ticks, timings["set_up_s"], timings["log_s"]

@@ -1,0 +1,126 @@
+"""What comes out of a flight: outcome, record, re-plans, metrics. Frozen values; arrays are never written to again."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from testbed.frames import Vec3
+from testbed.spec.model import FlightPlan
+from vosc import ph
+
+Array = np.ndarray
+
+
+class Outcome(Enum):
+    """How a flight ended, in order of precedence: the first that applies is reported."""
+
+    CRASHED = "crashed"  # the program failed (a bug); the traceback is stored with the plan
+    DIVERGED = "diverged"  # a state became non-finite or left the envelope of the model
+    HIT_GROUND = "hit_ground"
+    COLLIDED = "collided"  # came closer than the radius of an obstacle (the flight goes on)
+    TRIM_FAILED = "trim_failed"
+    NO_PATH = "no_path"  # no path could be planned from the present state
+    TIMED_OUT = "timed_out"  # three times the planned time
+    REACHED = "reached"  # crossed the goal's plane within 20 m
+
+
+@dataclass(frozen=True)
+class PlannedPath:
+    """A path that guidance was told to follow, from ``from_time_s`` on: PH pieces joined end to end."""
+
+    from_time_s: float
+    curves: tuple[ph.Curve, ...]
+
+    @property
+    def length_m(self) -> float:
+        return sum(curve.length_m for curve in self.curves)
+
+
+@dataclass(frozen=True)
+class ReplanEvent:
+    """One decision of the planner, with its inputs and its result. Vectors are ENU; unknown quantities are NaN.
+
+    ``decision`` is ``replanned`` (the path changed), or why it did not: ``no_insertion_point``, ``no_free_direction``,
+    ``inside``, ``undefined``, ``no_path``.
+    """
+
+    time_s: float
+    obstacle: str
+    decision: str
+    method: str
+    status: str  # of the method, see vosc.methods
+    own_pos_enu_m: Vec3
+    own_vel_enu_mps: Vec3
+    obstacle_pos_enu_m: Vec3
+    obstacle_vel_enu_mps: Vec3
+    radius_m: float
+    alpha_rad: float  # angle of the relative velocity from the line of sight (section 2, step 2)
+    alpha0_rad: float  # half-angle of the collision cone (section 2, step 1)
+    time_to_cpa_s: float
+    miss_m: float  # least distance of the straight lines to the centre
+    cap_radius_mps: float  # G = (r, psi_r, theta_r, gamma), eq. 24-28
+    cap_azimuth_rad: float
+    cap_elevation_rad: float
+    cap_half_angle_rad: float
+    command_enu_mps: Vec3  # the avoidance velocity
+    deflection_rad: float
+    margin_rad: float
+    insertion_enu_m: Vec3  # Q_avo, eq. 34-35
+    insertion_time_s: float  # after time_s
+    max_curvature_to_insertion_1pm: float
+    max_curvature_to_goal_1pm: float
+    planned_length_m: float  # from the present position to the goal
+
+
+@dataclass(frozen=True)
+class FlightRecord:
+    """Everything that happened, one row per plant tick.
+
+    ``columns``: ``time_s`` (n,); ``own.pos_enu_m`` ``own.vel_enu_mps`` (n,3); ``own.quat_enu_from_body_xyzw`` (n,4);
+    ``own.bank_rad`` ``own.pitch_rad`` ``own.heading_rad`` ``own.load_factor`` ``own.airspeed_mps`` ``own.alpha_rad``
+    ``own.beta_rad`` (n,); ``own.rates_body_radps`` (n,3); ``own.throttle`` ``own.elevator`` ``own.aileron`` ``own.rudder`` (n,) commands;
+    ``guidance.s_m`` ``guidance.bank_cmd_rad`` ``guidance.load_factor_cmd`` (n,), ``guidance.saturated`` (n,) 0 or 1;
+    ``path.index`` (n,) which of ``paths`` was active; ``path.leg`` (n,) piece of that path;
+    ``path.cross_track_m`` (n,) 3-D distance to the active path, exact;
+    ``obstacle.<name>.pos_enu_m`` ``obstacle.<name>.vel_enu_mps`` (n,3); ``obstacle.<name>.clearance_m`` (n,).
+    What a plant does not have (control deflections of a point) is NaN.
+    """
+
+    plan: FlightPlan
+    outcome: Outcome
+    columns: dict[str, Array]
+    events: tuple[ReplanEvent, ...]
+    paths: tuple[PlannedPath, ...]
+    message: str = ""  # one sentence about an outcome that is not REACHED
+    timings: tuple[tuple[str, float], ...] = ()  # wall-clock seconds per stage; not part of the result
+
+
+@dataclass(frozen=True)
+class FlightMetrics:
+    """One row of results.csv, apart from who the flight is. NaN where a quantity does not exist for this flight."""
+
+    outcome: str
+    least_clearance_m: float
+    time_at_least_clearance_s: float
+    nearest_obstacle: str
+    replans: int
+    trigger_time_s: float
+    deflection_deg: float
+    path_length_m: float
+    flight_time_s: float
+    cross_track_rms_m: float
+    cross_track_max_m: float
+    schedule_error_s: float
+    max_bank_deg: float
+    max_load_factor: float
+    min_load_factor: float
+    max_roll_rate_dps: float
+    min_airspeed_mps: float
+    max_airspeed_mps: float
+    max_alpha_deg: float
+    planned_length_m: float
+    planned_min_radius_m: float
+    planned_clearance_m: float
+    saturated_share: float
+    begin_s_m: float

@@ -1,0 +1,61 @@
+"""Metrics against hand-made records whose answers are known."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from testbed import fly, measure
+from testbed.results.metrics import goal_crossing, project
+from testbed.types import FlightRecord
+from tests.plans import KINEMATIC, plan
+
+STRAIGHT = {"start_enu_m": [0, 0, 0], "goal_enu_m": [600, 0, 0], "start_direction_deg": [0, 0], "goal_direction_deg": [0, 0]}
+
+
+@pytest.fixture
+def record() -> FlightRecord:
+    return fly(plan(route=STRAIGHT, **KINEMATIC))
+
+
+def changed(record: FlightRecord, **columns: np.ndarray) -> FlightRecord:
+    return replace(record, columns=record.columns | columns)
+
+
+def test_a_flight_past_the_goal_is_cut_at_its_plane(record: FlightRecord) -> None:
+    """The same flight, flown 0.2 m further on each sample: the plane is crossed between the last two."""
+    moved = changed(record, **{"own.pos_enu_m": record.columns["own.pos_enu_m"] + [0.2, 0.0, 0.0]})
+    end, share = goal_crossing(moved)
+    assert 0.0 < share < 1.0
+    metrics = measure(moved)
+    assert metrics.flight_time_s == pytest.approx(12.0 - 0.2 / 50.0, abs=1e-9)
+    assert metrics.path_length_m == pytest.approx(600.0 - 0.2, abs=1e-9)
+    assert end == len(moved.columns["time_s"]) - 2
+
+
+def test_schedule_error_is_positive_when_late(record: FlightRecord) -> None:
+    pos = record.columns["own.pos_enu_m"].copy()
+    pos[:, 0] = 0.98 * pos[:, 0] + 12.0  # from 12 m on at 49 m/s: at the goal after 600 m where 588 m were planned
+    late = measure(changed(record, **{"own.pos_enu_m": pos}))
+    assert late.schedule_error_s == pytest.approx(12.0 - 588.0 / 50.0, abs=1e-6)
+
+
+def test_cross_track_is_root_mean_square_and_maximum(record: FlightRecord) -> None:
+    n = len(record.columns["time_s"])
+    offset = np.where(np.arange(n) % 2 == 0, 3.0, 1.0)
+    metrics = measure(changed(record, **{"path.cross_track_m": offset}))
+    assert metrics.cross_track_max_m == 3.0
+    assert metrics.cross_track_rms_m == pytest.approx(math.sqrt(np.mean(offset**2)), rel=1e-3)
+
+
+def test_projection_on_a_chain_goes_on_straight(record: FlightRecord) -> None:
+    curves = record.paths[0].curves
+    assert project(curves, np.array([250.0, 7.0, 0.0])) == pytest.approx(250.0)
+    assert project(curves, np.array([612.0, 7.0, 0.0])) == pytest.approx(612.0)
+
+
+def test_planned_clearance_is_the_clearance_of_a_point_on_schedule() -> None:
+    obstacle = {"name": "O", "radius_m": 5, "position_enu_m": [300, -188, 3], "speed_mps": 30, "direction_deg": [90, 0]}
+    metrics = measure(fly(plan(route=STRAIGHT, obstacles=[obstacle], method={"kind": "none"}, **KINEMATIC)))
+    assert metrics.planned_clearance_m == pytest.approx(metrics.least_clearance_m, abs=1e-9)
