@@ -61,6 +61,19 @@ class AutopilotGains(Section):
     throttle_lag_s: NonNegative  # of the engine, made up for by looking ahead along the path
 
 
+class PointMass(Section):
+    """The aircraft as a point: lags of the closed inner loops, thrust and drag over weight at ``autopilot.reference_mps``."""
+
+    bank_lag_s: Positive
+    load_factor_lag_s: Positive
+    thrust_lag_s: Positive
+    thrust_min: Number
+    thrust_max: Number
+    thrust_per_mps: NonNegative  # of the speed hold
+    drag_zero: NonNegative  # D/W = drag_zero (V/Vr)^2 + drag_lift n^2 (Vr/V)^2
+    drag_lift: NonNegative
+
+
 class Aircraft(Section):
     """One aircraft: source, licence, limits, lags, gains."""
 
@@ -72,8 +85,36 @@ class Aircraft(Section):
     command_lag_s: NonNegative  # actuator lag that the model itself lacks
     guidance: GuidanceGains
     autopilot: AutopilotGains
+    point_mass: PointMass
     gains_found_by: str
     folder: Path = Path()
+
+
+IDEAL_LAG_S = 1e-4
+UNLIMITED = 1e3
+
+
+def idealised(aircraft: Aircraft, ideal: tuple[str, ...]) -> Aircraft:
+    """The aircraft with some limits of its point mass switched off: ``roll``, ``load_factor`` (``speed`` is the plant's own switch).
+
+    Guidance then neither clips what the limit clipped nor looks ahead for a lag that is gone.
+    """
+    limits, gains, point = {}, {}, {}
+    if "roll" in ideal:
+        limits |= {"bank_deg": 179.0, "roll_rate_dps": 1e6}
+        gains |= {"bank_lead_s": 0.0}
+        point |= {"bank_lag_s": IDEAL_LAG_S}
+    if "load_factor" in ideal:
+        limits |= {"load_factor_min": -UNLIMITED, "load_factor_max": UNLIMITED, "alpha_max_1g_mps": 1.0 / UNLIMITED}
+        gains |= {"load_factor_lead_s": 0.0}
+        point |= {"load_factor_lag_s": IDEAL_LAG_S}
+    return aircraft.model_copy(
+        update={
+            "limits": aircraft.limits.model_copy(update=limits),
+            "guidance": aircraft.guidance.model_copy(update=gains),
+            "point_mass": aircraft.point_mass.model_copy(update=point),
+        }
+    )
 
 
 @lru_cache(maxsize=32)

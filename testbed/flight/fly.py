@@ -10,7 +10,7 @@ import math
 from time import perf_counter
 
 from testbed.flight.air import make_wind
-from testbed.flight.aircraft import load_aircraft
+from testbed.flight.aircraft import idealised, load_aircraft
 from testbed.flight.guidance import Law
 from testbed.flight.log import FlightLog, finish
 from testbed.flight.parts import GUIDANCE, PLANTS
@@ -36,7 +36,7 @@ def fly(plan: FlightPlan) -> FlightRecord:
     path = ActivePath((scene.route,))
     log = FlightLog(plan, scene.begin_s_m)
     log.change_path(0.0, path)
-    aircraft = load_aircraft(plan.aircraft)
+    aircraft = idealised(load_aircraft(plan.aircraft), plan.plant.ideal)
     try:
         plant = PLANTS[plan.plant.kind](plan, aircraft, start_of(plan, scene), scene)
     except TrimFailedError as error:

@@ -6,12 +6,17 @@ from testbed.flight.aircraft import Aircraft
 from testbed.flight.guidance import Law, LookAheadLaw
 from testbed.flight.plants.base import Plant, Start
 from testbed.flight.plants.kinematic import KinematicPlant
+from testbed.flight.plants.point_mass import PointMassPlant
 from testbed.flight.scene import Scene
 from testbed.spec.model import FlightPlan
 
 
 def _kinematic(plan: FlightPlan, _aircraft: Aircraft, start: Start, scene: Scene) -> Plant:
     return KinematicPlant(start, scene.wind, plan.rates.plant_hz, plan.speed_hold == "airspeed")
+
+
+def _point_mass(plan: FlightPlan, aircraft: Aircraft, start: Start, scene: Scene) -> Plant:
+    return PointMassPlant(aircraft, start, scene.wind, plan.rates.plant_hz, "speed" in plan.plant.ideal)
 
 
 def _jsbsim(plan: FlightPlan, aircraft: Aircraft, start: Start, _scene: Scene) -> Plant:
@@ -26,6 +31,7 @@ def _look_ahead(plan: FlightPlan, aircraft: Aircraft) -> Law:
 
 PLANTS: dict[str, Callable[[FlightPlan, Aircraft, Start, Scene], Plant]] = {
     "kinematic": _kinematic,
+    "point_mass": _point_mass,
     "jsbsim": _jsbsim,
 }
 

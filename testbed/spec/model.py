@@ -161,25 +161,34 @@ class Replan(Section):
 class PlantSpec(Section):
     """Which physics flies the plan."""
 
-    kind: Literal["kinematic", "jsbsim"] = "jsbsim"
-    """kinematic: a point on the planned curve. jsbsim: six degrees of freedom."""
+    kind: Literal["kinematic", "point_mass", "jsbsim"] = "jsbsim"
+    """kinematic: a point on the planned curve. point_mass: a point with the aircraft's limits. jsbsim: six degrees of freedom."""
+    ideal: tuple[Literal["roll", "load_factor", "speed"], ...] = ()
+    """Limits of the point_mass that are switched off: roll (lag, rate and bank limit), load_factor (lag and limits), speed (thrust and drag)."""
+
+    @model_validator(mode="after")
+    def _ideal_is_for_the_point_mass(self) -> "PlantSpec":
+        if self.ideal and self.kind != "point_mass":
+            raise ValueError(f"ideal goes with kind: point_mass, not with {self.kind}")
+        return self
 
 
 class Rates(Section):
-    """How often each block runs. The guidance and planner rates must divide the plant's."""
+    """How often each block runs. The guidance's rate must divide the plant's, the planner's the guidance's."""
 
     plant_hz: Annotated[Whole, Field(ge=60, le=960)] = 120
     """Steps of the plant, Hz."""
     guidance_hz: Annotated[Whole, Field(ge=10, le=960)] = 60
     """Steps of the guidance, Hz; divides plant_hz."""
     planner_hz: Annotated[Whole, Field(ge=1, le=960)] = 60
-    """Looks of the planner, Hz; divides plant_hz."""
+    """Looks of the planner, Hz; divides guidance_hz."""
 
     @model_validator(mode="after")
     def _divide(self) -> "Rates":
-        for name in ("guidance_hz", "planner_hz"):
-            if self.plant_hz % getattr(self, name):
-                raise ValueError(f"{name} must divide plant_hz = {self.plant_hz}")
+        if self.plant_hz % self.guidance_hz:
+            raise ValueError(f"guidance_hz must divide plant_hz = {self.plant_hz}")
+        if self.guidance_hz % self.planner_hz:
+            raise ValueError(f"planner_hz must divide guidance_hz = {self.guidance_hz}")
         return self
 
 
@@ -187,7 +196,7 @@ class GuidanceSpec(Section):
     """The path-following law."""
 
     kind: Literal["look_ahead"] = "look_ahead"
-    """look_ahead: steer towards a point ahead on the path."""
+    """look_ahead: error feedback with feed-forward of the curvature ahead."""
 
 
 class Calm(Section):

@@ -80,6 +80,6 @@ def test_the_schema_describes_every_key_with_its_unit() -> None:
 def test_the_schema_knows_the_paths_of_a_sweep() -> None:
     axes = json.loads(schema())["properties"]["sweep"]["properties"]
     assert {"method.kind", "begin", "begin.climb_at_most_deg", "air.wind.speed_mps", "rates.plant_hz"} <= set(axes)
-    assert axes["plant.kind"]["anyOf"][0]["items"]["enum"] == ["kinematic", "jsbsim"]
+    assert axes["plant.kind"]["anyOf"][0]["items"]["enum"] == ["kinematic", "point_mass", "jsbsim"]
     assert [kind["const"] for kind in axes["air.wind.kind"]["anyOf"][0]["items"]["anyOf"]] == ["calm", "steady"]
     assert not {"seed", "replicates", "name", "sweep"} & set(axes)

@@ -62,7 +62,7 @@ ONE_FAULT = [
     (
         "plant: {kind: kinematic}",
         "plant: {kind: kinmatic}",
-        "19:15: plant.kind: must be one of 'kinematic', 'jsbsim', not 'kinmatic'",
+        "19:15: plant.kind: must be one of 'kinematic', 'point_mass', 'jsbsim', not 'kinmatic'",
         "did you mean 'kinematic'?",
     ),
     ("kind: steady", "kind: stedy", "20:20: air.wind.kind: must be one of 'calm', 'steady', not 'stedy'", "did you mean 'steady'?"),
@@ -185,11 +185,11 @@ def test_two_axes_must_not_set_the_same_thing(complaint: Complaint, good: str) -
 
 
 def test_a_fault_of_a_combination_names_its_first_cell_and_comes_once(complaint: Complaint, good: str) -> None:
-    """Each rate is fine with the default of the others; 40 Hz does not divide 60 Hz."""
-    axes = "sweep:\n  rates.plant_hz: [120, 60]\n  rates.guidance_hz: [60, 40, 20]\n  rates.planner_hz: [60, 10]\n"
+    """Each rate is fine with the default of the others; 120 Hz does not divide 60 Hz."""
+    axes = "sweep:\n  rates.plant_hz: [120, 60]\n  rates.guidance_hz: [60, 120]\n  rates.planner_hz: [20, 10]\n"
     assert complaint(good.partition("sweep:")[0] + axes) == (
-        "bad.yaml:23:27: sweep.rates.guidance_hz[1]: rates: guidance_hz must divide plant_hz = 60 (in the cell '60/40/60')\n"
-        "    23 |   rates.guidance_hz: [60, 40, 20]\n"
+        "bad.yaml:23:27: sweep.rates.guidance_hz[1]: rates: guidance_hz must divide plant_hz = 60 (in the cell '60/120/20')\n"
+        "    23 |   rates.guidance_hz: [60, 120]\n"
         "       |                           ^"
     )
 

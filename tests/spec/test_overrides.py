@@ -52,10 +52,10 @@ def test_an_override_can_repair_a_file(write: Write, good: str) -> None:
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("plant.kind=foo", "--set plant.kind=foo: must be one of 'kinematic', 'jsbsim', not 'foo'"),
+        ("plant.kind=foo", "--set plant.kind=foo: must be one of 'kinematic', 'point_mass', 'jsbsim', not 'foo'"),
         (
             "plant.kind=kinematik",
-            "--set plant.kind=kinematik: must be one of 'kinematic', 'jsbsim', not 'kinematik' (did you mean 'kinematic'?)",
+            "--set plant.kind=kinematik: must be one of 'kinematic', 'point_mass', 'jsbsim', not 'kinematik' (did you mean 'kinematic'?)",
         ),
         ("plnat.kind=jsbsim", "--set plnat.kind=jsbsim: unknown setting 'plnat.kind' (did you mean 'plant.kind'?)"),
         ("seed=-1", "--set seed=-1: must be at least 0, not -1"),

@@ -1,0 +1,111 @@
+"""A point with an aeroplane's limits: bank and load factor with lag and rate, thrust and drag, wind.
+
+It stands between the paper's point on rails and six degrees of freedom. What it takes from the aircraft (``point_mass`` and
+``limits`` in aircraft.yaml) can be made ideal one at a time, and the difference says what that limit costs:
+
+    V' = g ((T - D)/W - sin gamma)      gamma' = g/V (n cos phi - cos gamma)      chi' = g n sin phi / (V cos gamma)
+
+with V, gamma, chi of the velocity through the air (chi clockwise from north). D/W = zero (V/Vr)^2 + lift n^2 (Vr/V)^2.
+Bank, load factor and thrust follow their commands as first-order lags, solved exactly over a tick (so that a lag of 1e-4 s is
+no stiffness), the bank no faster than the roll rate limit. The rest is integrated by the midpoint rule.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from testbed.flight.air import Wind, ground_speed_along
+from testbed.flight.aircraft import Aircraft
+from testbed.flight.plants.base import Command, Followable, Start, State
+from testbed.flight.plants.kinematic import coordinated
+from testbed.units import DEG, G0_MPS2
+
+NAN = math.nan
+SLOWEST_MPS = 1.0  # below this the equations mean nothing; the flight is then long since lost
+STEEPEST_COS = 0.05
+
+
+class PointMassPlant:
+    """One flight of the point. ``hold_speed`` makes thrust ideal: the airspeed is what it is told to be."""
+
+    def __init__(self, aircraft: Aircraft, start: Start, wind: Wind, plant_hz: int, hold_speed: bool) -> None:
+        self._model, self._wind, self._hold_speed = aircraft.point_mass, wind, hold_speed
+        self._dt = 1.0 / plant_hz
+        self._tick = 0
+        self._reference = aircraft.autopilot.reference_mps
+        self._roll_step = aircraft.limits.roll_rate_dps * DEG * self._dt
+        model = self._model
+        lags = (model.bank_lag_s, model.load_factor_lag_s, model.thrust_lag_s)
+        self._bank_share, self._lift_share, self._thrust_share = (1.0 - math.exp(-self._dt / lag) for lag in lags)
+        ground = ground_speed_along(start.tangent, start.speed, start.wind)
+        velocity = tuple(ground * t for t in start.tangent)
+        air = tuple(v - w for v, w in zip(velocity, start.wind, strict=True))
+        turn = tuple(ground * ground * k for k in start.curvature)
+        bank, load_factor = coordinated((velocity[0], velocity[1], velocity[2]), (turn[0], turn[1], turn[2]))
+        self._pos = start.pos
+        self._speed = math.hypot(*air)
+        self._climb, self._track = math.asin(air[2] / self._speed), math.atan2(air[0], air[1])
+        self._bank, self._load_factor = bank, load_factor
+        self._thrust = self._drag(self._speed, load_factor) + math.sin(self._climb)
+        self._thrust = max(model.thrust_min, min(model.thrust_max, self._thrust))
+        self._wanted = self._thrust  # thrust over weight that is asked for
+        self._command = Command(bank, load_factor, start.speed, math.sin(self._climb), 0.0)
+        self._roll_rate = 0.0
+
+    def follow(self, path: Followable, s_m: float) -> None:
+        """The point flies; it is not on rails."""
+
+    def command(self, state: State, command: Command) -> bool:
+        """Take a command; true when it asks for more thrust than there is."""
+        self._command = command
+        error = command.speed - state.airspeed
+        drag = self._drag(self._speed, command.load_factor)
+        self._wanted = drag + command.sin_climb + command.accel / G0_MPS2 + self._model.thrust_per_mps * error
+        return not self._model.thrust_min <= self._wanted <= self._model.thrust_max
+
+    def step(self) -> None:
+        command, model, dt = self._command, self._model, self._dt
+        roll = self._bank_share * (command.bank - self._bank)
+        roll = max(-self._roll_step, min(self._roll_step, roll))
+        lift = self._lift_share * (command.load_factor - self._load_factor)
+        thrust_cmd = max(model.thrust_min, min(model.thrust_max, self._wanted))
+        bank, n = self._bank + 0.5 * roll, self._load_factor + 0.5 * lift
+        self._roll_rate = roll / dt
+        self._thrust += self._thrust_share * (thrust_cmd - self._thrust)
+        if self._hold_speed:
+            self._speed = command.speed
+        v, climb, track = self._speed, self._climb, self._track
+        half = 0.5 * dt
+        dv, dclimb, dtrack = self._rates(v, climb, bank, n)
+        vm, cm, tm = v + half * dv, climb + half * dclimb, track + half * dtrack
+        dv, dclimb, dtrack = self._rates(vm, cm, bank, n)
+        flat = vm * math.cos(cm)
+        time_s, (x, y, z) = self._tick * dt, self._pos
+        wx, wy, wz = self._wind(time_s + half, self._pos)
+        self._pos = (x + dt * (flat * math.sin(tm) + wx), y + dt * (flat * math.cos(tm) + wy), z + dt * (vm * math.sin(cm) + wz))
+        self._speed, self._climb, self._track = max(SLOWEST_MPS, v + dt * dv), climb + dt * dclimb, track + dt * dtrack
+        self._bank, self._load_factor = self._bank + roll, self._load_factor + lift
+        self._tick += 1
+
+    def sample(self) -> Sequence[float]:
+        v, climb, track = self._speed, self._climb, self._track
+        wx, wy, wz = self._wind(self._tick * self._dt, self._pos)
+        flat = v * math.cos(climb)
+        velocity = (flat * math.sin(track) + wx, flat * math.cos(track) + wy, v * math.sin(climb) + wz)
+        angles = (self._bank, climb, track % math.tau)
+        return (*self._pos, *velocity, *angles, self._load_factor, v, NAN, NAN, self._roll_rate, NAN, NAN, NAN, NAN, NAN, NAN)
+
+    def state(self, sample: Sequence[Any]) -> State:
+        return State._make(sample)
+
+    def _rates(self, v: float, climb: float, bank: float, n: float) -> tuple[float, float, float]:
+        cos = math.cos(climb)
+        accel = 0.0 if self._hold_speed else G0_MPS2 * (self._thrust - self._drag(v, n) - math.sin(climb))
+        turn = G0_MPS2 / v
+        return accel, turn * (n * math.cos(bank) - cos), turn * n * math.sin(bank) / max(cos, STEEPEST_COS)
+
+    def _drag(self, v: float, n: float) -> float:
+        """Drag over weight."""
+        ratio = v / self._reference
+        square = ratio * ratio
+        return self._model.drag_zero * square + self._model.drag_lift * n * n / square
