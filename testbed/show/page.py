@@ -1,0 +1,184 @@
+"""The page of a campaign: one HTML file that needs no network, the same bytes for the same rows."""
+
+import base64
+import gzip
+import json
+import math
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from testbed.frames import direction_deg
+from testbed.show import answer
+from testbed.show.answer import Row
+from testbed.show.columns import BY_KEY, DECISION_TERMS, METRICS, SUMMARISED, value
+from testbed.show.figures import figure_data
+from testbed.show.story import level_turn, number, radius_m
+from testbed.spec.model import Campaign
+from testbed.units import DEG
+
+MOST_FLIGHT_ROWS, MOST_DECISION_ROWS = 300, 100
+CELLS_FROM = 25  # so many flights are better read by cell
+
+
+def render_page(campaign: Campaign, rows: list[Row], series: Mapping[str, dict[str, Any] | None], provenance: dict[str, Any]) -> str:
+    """The whole page. ``rows`` as in rows.jsonl, ``series`` by flight id, ``provenance`` whatever should be said of the run."""
+    rows = [row | {key: (series.get(row["flight_id"]) or {}).get(key) for key in ("encounter", "geometry")} for row in rows]
+    axes, listed_axes = answer.telling_axes(rows), answer.listed_axes(rows)
+    matched = answer.pairs(rows)
+    listed = _worst_first(rows) if len(rows) > MOST_FLIGHT_ROWS else rows
+    decisions = [_decision(row, event, axes) for row in rows if row["method"] != "none" for event in row["events"]]
+    figures = figure_data(rows, series, axes)
+    environment = Environment(
+        loader=PackageLoader("testbed.show"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.get_template("index.html.j2").render(
+        campaign=campaign,
+        axes=listed_axes,
+        sentences=answer.sentences(rows, matched) if rows else ["No flight was flown."],
+        cards=answer.cards(rows) if rows else [],
+        pairs=[_pair(pair, axes) for pair in matched],
+        cells=answer.cells(rows, axes) if len(rows) >= CELLS_FROM or campaign.replicates > 1 else [],
+        summarised=[BY_KEY[key] for key in SUMMARISED],
+        metrics=METRICS,
+        flights=[_flight(row, listed_axes) for row in listed[:MOST_FLIGHT_ROWS]],
+        flights_left_out=max(0, len(rows) - MOST_FLIGHT_ROWS),
+        decisions=decisions[:MOST_DECISION_ROWS],
+        decisions_left_out=max(0, len(decisions) - MOST_DECISION_ROWS),
+        terms=DECISION_TERMS,
+        failures=[row for row in rows if row["outcome"] == "crashed"],
+        provenance=_flattened(provenance),
+        has_pictures=bool(figures["groups"]),
+        css=_asset("page.css"),
+        script=_asset("page.js"),
+        figures=_packed(json.dumps(figures, sort_keys=True, allow_nan=False, separators=(",", ":")).encode()),
+        plotly=_plotly(),
+    )
+
+
+def _asset(name: str) -> Markup:
+    """A style sheet or script of ours, which may stand in the page as it is."""
+    return Markup(files("testbed.show").joinpath("templates", name).read_text(encoding="utf-8"))
+
+
+def _packed(data: bytes) -> str:
+    """Compressed, as text without any character that means something in HTML; no time stamp inside."""
+    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")
+
+
+@cache
+def _plotly() -> str:
+    return _packed(files("plotly").joinpath("package_data", "plotly.min.js").read_bytes())
+
+
+def _worst_first(rows: Sequence[Row]) -> list[Row]:
+    return sorted(rows, key=lambda row: (math.isnan(value(row, "least_clearance_m")), value(row, "least_clearance_m")))
+
+
+def _sortable(amount: float) -> str:
+    return f"{amount:.6g}" if math.isfinite(amount) else ""
+
+
+def _flight(row: Row, axes: Sequence[str]) -> dict[str, Any]:
+    return {
+        "id": row["flight_id"],
+        "outcome": row["outcome"],
+        "outcome_text": str(row["outcome"]).replace("_", " "),
+        "labels": [str(row["labels"].get(axis, "")) for axis in axes],
+        "replicate": row["replicate"],
+        "flyer": answer.flyer(row),
+        "method": row["method"],
+        "cells": [{"text": column.text(row), "sort": _sortable(value(row, column.key))} for column in METRICS],
+        "collided": value(row, "least_clearance_m") < 0.0,
+        "message": row["message"],
+        "recording": row["recording"],
+    }
+
+
+def _pair(pair: answer.Pair, axes: Sequence[str]) -> dict[str, Any]:
+    point, flown = (value(row, "least_clearance_m") for row in (pair.kinematic, pair.flown))
+    return {
+        "place": answer.circumstances(pair.flown, [a for a in axes if pair.flown["labels"].get(a) == pair.kinematic["labels"].get(a)])
+        or "the encounter",
+        "flyer": answer.flyer(pair.flown),
+        "method": pair.flown["method"],
+        "verdict": pair.verdict,
+        "good": flown >= 0.0,
+        "clearances": [number(point, 2), number(flown, 2), number(flown - point, 2)],
+        "sort": [_sortable(point), _sortable(flown), _sortable(flown - point)],
+        "rest": [
+            {"text": BY_KEY[key].text(pair.flown), "sort": _sortable(value(pair.flown, key))}
+            for key in (
+                "cross_track_rms_m",
+                "cross_track_max_m",
+                "schedule_error_s",
+                "max_bank_deg",
+                "max_load_factor",
+                "max_roll_rate_dps",
+                "min_airspeed_mps",
+            )
+        ],
+    }
+
+
+def _vector(event: Row, key: str) -> tuple[float, float, float]:
+    """A vector of an event; NaN for what is missing."""
+    x, y, z = (math.nan if part is None else float(part) for part in event.get(key) or (None, None, None))
+    return x, y, z
+
+
+def _decision(row: Row, event: Row, axes: Sequence[str]) -> dict[str, Any]:
+    """One line of the table of re-plans."""
+
+    def motion(key: str) -> str:
+        vector = _vector(event, key)
+        return f"{number(math.hypot(*vector), 1)} ({angles(vector)})"
+
+    def angles(vector: tuple[float, float, float]) -> str:
+        return ", ".join(number(angle, 1) for angle in direction_deg(vector))
+
+    def deg(key: str, digits: int = 2) -> str:
+        return number(value(event, key) / DEG, digits)
+
+    curvature = value(event, "max_curvature_to_insertion_1pm")
+    bank_deg, load = level_turn(math.hypot(*_vector(event, "own_vel_enu_mps")), curvature)
+    radius = radius_m(curvature)
+    return {
+        "place": answer.circumstances(row, axes) or "the encounter",
+        "flyer": answer.flyer(row),
+        "method": event["method"],
+        "obstacle": event["obstacle"],
+        "decision": str(event["decision"]).replace("_", " "),
+        "done": event["decision"] == "replanned",
+        "cells": [
+            number(value(event, "time_s"), 2),
+            motion("own_vel_enu_mps"),
+            motion("obstacle_vel_enu_mps"),
+            deg("alpha_rad"),
+            deg("alpha0_rad"),
+            number(value(event, "miss_m"), 1),
+            number(value(event, "time_to_cpa_s"), 2),
+            f"{deg('cap_azimuth_rad', 1)}, {deg('cap_elevation_rad', 1)}",
+            deg("cap_half_angle_rad"),
+            angles(_vector(event, "command_enu_mps")),
+            deg("deflection_rad"),
+            deg("margin_rad"),
+            ", ".join(number(x, 1) for x in _vector(event, "insertion_enu_m")),
+            number(value(event, "insertion_time_s"), 2),
+            "straight" if math.isinf(radius) else number(radius, 0),
+            number(bank_deg, 0),
+            number(load, 2),
+        ],
+    }
+
+
+def _flattened(provenance: dict[str, Any], before: str = "") -> list[tuple[str, str]]:
+    """Nested facts as pairs of name and text, in the order given."""
+    pairs: list[tuple[str, str]] = []
+    for name, told in provenance.items():
+        pairs += _flattened(told, f"{before}{name} ") if isinstance(told, dict) else [(f"{before}{name}", str(told))]
+    return pairs

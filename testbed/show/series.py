@@ -1,0 +1,117 @@
+"""The part of a flight that the page draws: few samples, the extreme ones among them, rounded so that its bytes are stable."""
+
+import hashlib
+import json
+import math
+from typing import Any
+
+import numpy as np
+
+from testbed.show.story import path_points, who
+from testbed.types import FlightRecord, PlannedPath
+from testbed.units import DEG
+
+Array = np.ndarray
+Series = dict[str, Any]
+
+MOST_SAMPLES = 240
+MOST_EVENTS = 20  # so many decisions have a sample of their own
+PATH_SAMPLES = 40  # per planned curve
+TRACK_S = 2.5  # of an obstacle, either side of its closest approach
+
+# Curve of the page, column of the record, factor to the unit shown, decimals kept.
+CURVES = (
+    ("cross_track_m", "path.cross_track_m", 1.0, 3),
+    ("bank_deg", "own.bank_rad", 1.0 / DEG, 2),
+    ("airspeed_mps", "own.airspeed_mps", 1.0, 2),
+    ("load_factor", "own.load_factor", 1.0, 3),
+)
+
+
+def flight_series(record: FlightRecord) -> Series:
+    """What the page needs of one flight, as JSON-able values; NaN becomes ``None``."""
+    time_s = record.columns["time_s"]
+    clearance = _clearance(record)
+    rows = _chosen_rows(record, clearance)
+    return {
+        "who": who(record),
+        "method": record.plan.method.kind,
+        "encounter": encounter_key(record),
+        "geometry": record.plan.geometry,
+        "time_s": rounded(time_s[rows], 3),
+        **_places(record.columns["own.pos_enu_m"][rows]),
+        "clearance_m": rounded(clearance[rows], 3) if record.plan.obstacles else [],
+        **{name: rounded(record.columns[column][rows] * factor, digits) for name, column, factor, digits in CURVES},
+        "paths": [_path(path) for path in record.paths],
+        "obstacles": _obstacles(record) if len(time_s) else [],
+        "decisions": [
+            {
+                "time_s": round(event.time_s, 3),
+                "decision": event.decision,
+                "obstacle": event.obstacle,
+                "insertion_enu_m": rounded(np.array(event.insertion_enu_m), 2) if np.isfinite(event.insertion_enu_m).all() else None,
+            }
+            for event in record.events
+        ],
+    }
+
+
+def encounter_key(record: FlightRecord) -> str:
+    """The same for flights that meet the same obstacles on the same route, whoever flies and avoids."""
+    said = record.plan.model_dump(mode="json", include={"route", "geometry", "obstacles"})
+    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:12]
+
+
+def rounded(values: Array, digits: int) -> list[float | None]:
+    """Plain floats, without negative zeros; ``None`` for what is not finite."""
+    return [round(float(value), digits) + 0.0 if math.isfinite(value) else None for value in values]
+
+
+def _places(points: Array) -> dict[str, list[float | None]]:
+    return {axis: rounded(points[:, k], 2) for k, axis in enumerate("xyz")}
+
+
+def _clearance(record: FlightRecord) -> Array:
+    """To the nearest obstacle at each row."""
+    each = [record.columns[f"obstacle.{spec.name}.clearance_m"] for spec in record.plan.obstacles]
+    return np.min(each, axis=0) if each else np.full(len(record.columns["time_s"]), math.nan)
+
+
+def _chosen_rows(record: FlightRecord, clearance: Array) -> Array:
+    """Evenly spaced rows, with both ends, the extremes of every curve and the decisions among them."""
+    n = len(record.columns["time_s"])
+    if n <= MOST_SAMPLES:
+        return np.arange(n)
+    kept = {0, n - 1}
+    curves = [record.columns[column] for _, column, _, _ in CURVES]
+    curves += [record.columns[f"obstacle.{spec.name}.clearance_m"] for spec in record.plan.obstacles[:MOST_EVENTS]]
+    for curve in (clearance, *curves):
+        if np.isfinite(curve).any():
+            kept |= {int(np.nanargmin(curve)), int(np.nanargmax(curve))}
+    kept |= {int(np.argmin(np.abs(record.columns["time_s"] - event.time_s))) for event in record.events[:MOST_EVENTS]}
+    even = np.linspace(0, n - 1, MOST_SAMPLES - len(kept)).round().astype(int)
+    return np.union1d(even, sorted(kept))
+
+
+def _path(path: PlannedPath) -> dict[str, Any]:
+    pieces = path_points(path, PATH_SAMPLES)
+    return {"from_s": round(path.from_time_s, 3), **_places(np.vstack(pieces))}
+
+
+def _obstacles(record: FlightRecord) -> list[dict[str, Any]]:
+    """Where each obstacle was when it was nearest, and both ends of its straight track for a few seconds around that."""
+    told = []
+    for spec in record.plan.obstacles:
+        pos, clearance = record.columns[f"obstacle.{spec.name}.pos_enu_m"], record.columns[f"obstacle.{spec.name}.clearance_m"]
+        nearest = int(np.nanargmin(clearance)) if np.isfinite(clearance).any() else 0
+        around = np.flatnonzero(np.abs(record.columns["time_s"] - record.columns["time_s"][nearest]) <= TRACK_S)
+        told.append(
+            {
+                "name": spec.name,
+                "radius_m": spec.radius_m,
+                **_places(pos[around[[0, -1]]]),
+                "nearest_time_s": round(float(record.columns["time_s"][nearest]), 3),
+                "nearest_enu_m": rounded(pos[nearest], 2),
+            }
+        )
+    return told

@@ -1,0 +1,144 @@
+"""What a record says when it is read aloud: legs, decisions, the summary of a flight."""
+
+import math
+
+import numpy as np
+
+from testbed.frames import direction_deg
+from testbed.types import FlightMetrics, FlightRecord, PlannedPath, ReplanEvent
+from testbed.units import DEG, G0_MPS2
+
+Array = np.ndarray
+
+OUTCOME_TEXT = {
+    "reached": "reached the goal",
+    "collided": "collided: came closer than the obstacle's radius",
+    "hit_ground": "hit the ground",
+    "diverged": "diverged: left the envelope of the model",
+    "trim_failed": "could not be trimmed",
+    "no_path": "no path could be planned",
+    "timed_out": "timed out",
+    "crashed": "the program failed",
+}
+
+
+LEGEND = """### Reading the pictures
+Scene: grey the original path, yellow to the insertion point, green back to the goal, blue the trail flown; the aeroplane is drawn larger
+than life at its true position and attitude; arrows reach half a second ahead; the grid (50 m) lies on the ground.
+
+Velocity space: the sphere holds the velocities of the present speed, the red cone what would lead to a collision with an obstacle in range,
+the orange patch its spherical cap while it is a threat; blue the own velocity, purple the commanded one.
+"""
+
+
+def number(value: float, digits: int = 1, unit: str = "") -> str:
+    """A number for people: a dash for what does not exist, no minus sign on zero."""
+    if not math.isfinite(value):
+        return "\N{EN DASH}"
+    text = f"{value:.{digits}f}"
+    text = text.removeprefix("-") if float(text) == 0.0 else text.replace("-", "\N{MINUS SIGN}")
+    return f"{text} {unit}".rstrip()
+
+
+def who(record: FlightRecord) -> str:
+    """The point, or the aircraft and the physics it flew in."""
+    plan = record.plan
+    return plan.plant.kind if plan.plant.kind == "kinematic" else f"{plan.aircraft} ({plan.plant.kind})"
+
+
+def path_points(path: PlannedPath, per_curve: int = 60) -> list[Array]:
+    """Evenly spaced points along each piece of a planned path."""
+    return [curve.sample(np.linspace(0.0, curve.length_m, per_curve))[0] for curve in path.curves]
+
+
+def leg_names(record: FlightRecord) -> list[str]:
+    """Per row: ``route`` on the original path, ``avoid`` up to the insertion point, ``rejoin`` after it."""
+    index, leg = record.columns["path.index"].astype(int), record.columns["path.leg"].astype(int)
+    last = np.array([len(path.curves) - 1 for path in record.paths])
+    return ["route" if i == 0 else "rejoin" if k >= last[i] else "avoid" for i, k in zip(index, leg, strict=True)]
+
+
+def changes(values: list[str]) -> list[int]:
+    """Rows at which a value differs from the row before, the first row included."""
+    return [k for k, value in enumerate(values) if k == 0 or value != values[k - 1]]
+
+
+def level_turn(speed_mps: float, curvature_1pm: float) -> tuple[float, float]:
+    """Bank (deg) and load factor of a steady level turn of that curvature at that speed."""
+    pull = speed_mps**2 * curvature_1pm / G0_MPS2
+    return math.atan(pull) / DEG, math.hypot(1.0, pull)
+
+
+def radius_m(curvature_1pm: float) -> float:
+    """Radius of a curvature; infinite for a straight line, NaN for no curve at all."""
+    return math.inf if curvature_1pm == 0.0 else 1.0 / curvature_1pm
+
+
+def event_sentence(event: ReplanEvent) -> str:
+    """One line of the event log."""
+    if event.decision != "replanned":
+        return f"{event.obstacle}: {event.method} kept the path, {event.decision.replace('_', ' ')} (status {event.status})"
+    azimuth, elevation = direction_deg(event.command_enu_mps)
+    return (
+        f"{event.obstacle}: {event.method} re-planned, alpha {event.alpha_rad / DEG:.1f} < alpha_0 {event.alpha0_rad / DEG:.1f} deg, "
+        f"command ({azimuth:.1f}, {elevation:.1f}) deg, deflection {event.deflection_rad / DEG:.1f} deg, "
+        f"least radius {number(radius_m(event.max_curvature_to_insertion_1pm), 0)} m"
+    )
+
+
+def summary_markdown(record: FlightRecord, metrics: FlightMetrics) -> str:
+    """The flight on one card: who flew what, how it ended, the numbers, every decision with its inputs."""
+    plan = record.plan
+    labels = ", ".join(f"{axis} = {label}" for axis, label in plan.labels.items())
+    lines = [
+        f"## {OUTCOME_TEXT.get(metrics.outcome, metrics.outcome)}",
+        f"**{who(record)}**, method **{plan.method.kind}**, {number(plan.speed_mps, 0)} m/s" + (f"  \n{labels}" if labels else ""),
+        *(["", record.message] if record.message else []),
+        "",
+        "| | |\n|---|---:|",
+        f"| least clearance | **{number(metrics.least_clearance_m, 2)} m** at {number(metrics.time_at_least_clearance_s, 2)} s |",
+        f"| clearance of the plan | {number(metrics.planned_clearance_m, 2)} m |",
+        f"| cross-track rms / max | {number(metrics.cross_track_rms_m, 2)} / {number(metrics.cross_track_max_m, 2)} m |",
+        f"| bank, largest | {number(metrics.max_bank_deg, 1)} deg |",
+        f"| load factor | {number(metrics.min_load_factor, 2)} to {number(metrics.max_load_factor, 2)} |",
+        f"| airspeed | {number(metrics.min_airspeed_mps, 1)} to {number(metrics.max_airspeed_mps, 1)} m/s |",
+        f"| path flown / planned | {number(metrics.path_length_m, 1)} / {number(metrics.planned_length_m, 1)} m |",
+        f"| flight time | {number(metrics.flight_time_s, 2)} s |",
+    ]
+    for count, event in enumerate(record.events, start=1):
+        lines += ["", f"### Decision {count} at {number(event.time_s, 2)} s: {event.decision.replace('_', ' ')}", *_decision(event)]
+    lines += ["", f"Flight `{plan.flight_id}`, campaign `{plan.campaign}`, replicate {plan.replicate}, seed {plan.seed}.", ""]
+    lines += [LEGEND]
+    return "\n".join(lines)
+
+
+def _decision(event: ReplanEvent) -> list[str]:
+    """The rows of one decision's table."""
+    speed = math.hypot(*event.own_vel_enu_mps)
+    bank_deg, load = level_turn(speed, event.max_curvature_to_insertion_1pm)
+
+    def direction(vector: tuple[float, float, float]) -> str:
+        azimuth, elevation = direction_deg(vector)
+        return f"{number(math.hypot(*vector), 1)} m/s ({number(azimuth, 1)}, {number(elevation, 1)})"
+
+    def angle(value_rad: float) -> str:
+        return number(value_rad / DEG, 2)
+
+    centre = f"({angle(event.cap_azimuth_rad)}, {angle(event.cap_elevation_rad)})"
+    cap = f"r {number(event.cap_radius_mps, 1)} m/s, {centre}, gamma {angle(event.cap_half_angle_rad)}"
+    place = ", ".join(number(x, 1) for x in event.insertion_enu_m)
+    return [
+        "| angles in deg | |\n|---|---:|",
+        f"| obstacle, radius | {event.obstacle}, {number(event.radius_m, 1)} m |",
+        f"| own velocity | {direction(event.own_vel_enu_mps)} |",
+        f"| obstacle velocity | {direction(event.obstacle_vel_enu_mps)} |",
+        f"| alpha / alpha_0 | {angle(event.alpha_rad)} / {angle(event.alpha0_rad)} |",
+        f"| straight lines pass at | {number(event.miss_m, 1)} m in {number(event.time_to_cpa_s, 2)} s |",
+        f"| cap G | {cap} |",
+        f"| method, status | {event.method}, {event.status} |",
+        f"| command | {direction(event.command_enu_mps)} |",
+        f"| deflection | {angle(event.deflection_rad)} |",
+        f"| insertion point | ({place}) after {number(event.insertion_time_s, 2)} s |",
+        f"| least radius to it | {number(radius_m(event.max_curvature_to_insertion_1pm), 0)} m |",
+        f"| a level turn of it needs | {number(bank_deg, 0)} deg of bank, load factor {number(load, 2)} |",
+    ]

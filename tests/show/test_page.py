@@ -1,0 +1,217 @@
+"""The page: complete, the same bytes each time, harmless, small, and drawn by a real browser without a request."""
+
+import base64
+import gzip
+import json
+import math
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from testbed.show.page import render_page
+from testbed.show.series import flight_series
+from testbed.spec.model import Campaign
+from testbed.types import FlightMetrics, FlightRecord
+
+MakeRecord = Callable[..., FlightRecord]
+MakeMetrics = Callable[[FlightRecord], FlightMetrics]
+Row = dict[str, Any]
+CHROMIUM = shutil.which("chromium")
+NASTY = "</script><script>alert(1)</script><img src=x onerror=alert(2)> & \"q\" 'a'"
+PROVENANCE = {"name": "closed-form", "plan hash": "0a1b2c", "versions": {"jsbsim": "1.3.3"}, "seed": 7}
+
+
+class Text(HTMLParser):
+    """All text of a page outside scripts, the tags with their attributes, and void of nothing else."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.text: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self._skip = False
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        self._skip = tag in ("script", "style")
+
+    def handle_endtag(self, tag: str) -> None:  # noqa: ARG002
+        self._skip = False
+
+    def handle_data(self, data: str) -> None:
+        if not self._skip:
+            self.text.append(data)
+
+
+def parsed(page: str) -> Text:
+    reader = Text()
+    reader.feed(page)
+    reader.close()
+    return reader
+
+
+def campaign(question: str = "Does it hold?", **settings: object) -> Campaign:
+    route = {"start_enu_m": [0, 0, 0], "goal_enu_m": [388.8, 306.0, 0], "start_direction_deg": [0, 0], "goal_direction_deg": [76.3, 0]}
+    return Campaign.model_validate({"name": "closed-form", "question": question, "seed": 7, "route": route, **settings})
+
+
+def flight(record: FlightRecord, metrics: FlightMetrics, recording: str | None = "recordings/one.rrd") -> Row:
+    plan = record.plan
+    who = {"flight_id": plan.flight_id, "cell": plan.cell, "labels": plan.labels, "replicate": plan.replicate, "seed": plan.seed}
+    parts = {"plant": plan.plant.kind, "aircraft": plan.aircraft, "method": plan.method.kind}
+    told = {"events": [asdict(event) for event in record.events], "message": record.message, "recording": recording}
+    row: Row = json.loads(json.dumps(who | parts | asdict(metrics) | told))  # as it comes back from rows.jsonl
+    return row
+
+
+@pytest.fixture
+def four(make_record: MakeRecord, make_metrics: MakeMetrics) -> tuple[list[Row], dict[str, Any]]:
+    """Point and aircraft, with and without a method."""
+    rows, series = [], {}
+    for plant in ("kinematic", "jsbsim"):
+        for method in ("none", "scoam"):
+            name = f"f{plant}{method}"
+            labels = {"plant.kind": plant, "method.kind": method, "reading": "one"}
+            record = make_record(flight_id=name, cell=f"{plant}/{method}", labels=labels, plant={"kind": plant}, method={"kind": method})
+            rows.append(flight(record, make_metrics(record)))
+            series[name] = flight_series(record)
+    rows[1]["least_clearance_m"], rows[1]["outcome"] = 2.68, "reached"
+    rows[3]["least_clearance_m"], rows[3]["outcome"] = -9.19, "collided"
+    return rows, series
+
+
+def test_same_bytes_and_under_three_megabytes(four: tuple[list[Row], dict[str, Any]]) -> None:
+    once, twice = (render_page(campaign(), *four, PROVENANCE) for _ in range(2))
+    assert once == twice
+    assert len(once.encode()) < 3_000_000
+
+
+def test_every_flight_and_its_numbers_are_there_without_javascript(four: tuple[list[Row], dict[str, Any]]) -> None:
+    page = parsed(render_page(campaign(), *four, PROVENANCE))
+    text = " ".join(" ".join(page.text).split())
+    for row in four[0]:
+        assert row["flight_id"] in text
+        assert f"{row['flight_time_s']:.2f}" in text
+    for part in ("2.68", "−9.19", "fails when flown", "12.31", "103", "68", "2.67", "0a1b2c", "versions jsbsim", "1.3.3", "Does it hold?"):  # noqa: RUF001
+        assert part in text, part
+    assert [dict(a)["href"] for tag, a in page.tags if tag == "a"].count("recordings/one.rrd") == 4
+
+
+def test_the_answer_in_words_follows_the_rows(four: tuple[list[Row], dict[str, Any]]) -> None:
+    text = " ".join(" ".join(parsed(render_page(campaign(), *four, PROVENANCE)).text).split())
+    assert "Of 4 flights, 3 reached the goal, 1 collided." in text
+    assert "Where an aircraft re-planned (2 flights), the point kept its clearance in 1 of the same encounters, the aircraft in 0." in text
+    assert "The least clearance of the point was −2.85 to 2.68 m, of the aircraft −9.19 to −2.85 m." in text  # noqa: RUF001
+
+
+def test_words_from_outside_stay_words(four: tuple[list[Row], dict[str, Any]]) -> None:
+    rows, series = four
+    for row in rows:
+        row["labels"]["reading"] = row["message"] = NASTY
+        row["events"][0]["obstacle"] = row["events"][0]["decision"] = NASTY
+    page = parsed(render_page(campaign(NASTY), rows, series, {"name": NASTY, NASTY: "x"}))
+    assert not [tag for tag, attributes in page.tags if tag == "img" or "onerror" in attributes]
+    assert len([tag for tag, _ in page.tags if tag == "script"]) == 3
+    assert NASTY in "".join(page.text)
+
+
+def test_nothing_points_to_the_network(four: tuple[list[Row], dict[str, Any]]) -> None:
+    page = parsed(render_page(campaign(), *four, PROVENANCE))
+    assert not [a for _, a in page.tags if any((a.get(key) or "").startswith(("http", "//")) for key in ("src", "href"))]
+    policy = next(a["content"] for tag, a in page.tags if tag == "meta" and a.get("http-equiv") == "Content-Security-Policy")
+    assert policy
+    assert "default-src 'none'" in policy
+
+
+def test_the_browser_gets_the_curves_of_every_group(four: tuple[list[Row], dict[str, Any]]) -> None:
+    page = render_page(campaign(), *four, PROVENANCE)
+    packed = page.split('id="figures-data">', 1)[1].split("<", 1)[0]
+    figures = json.loads(gzip.decompress(base64.b64decode(packed)))
+    assert [group["flights"] for group in figures["groups"]] == [[row["flight_id"] for row in four[0]]]
+    one = figures["flights"]["fjsbsimscoam"]
+    assert one["name"] == "gtm_t2 (jsbsim), scoam"
+    assert one["collided"]
+    assert one["clearance_m"] == four[1]["fjsbsimscoam"]["clearance_m"]
+
+
+def test_hundreds_of_flights_stay_readable_and_small(four: tuple[list[Row], dict[str, Any]]) -> None:
+    rows, series = four
+    many, drawn = [], {}
+    for cell in range(12):
+        for replicate in range(50):
+            source = rows[(cell % 2) * 2 + 1]
+            name = f"c{cell}r{replicate}"
+            changed = {"flight_id": name, "cell": f"cell {cell}", "labels": {"gust": str(cell)}, "replicate": replicate}
+            many.append(source | changed | {"least_clearance_m": replicate - 10.0})
+            drawn[name] = series[source["flight_id"]]
+    page = render_page(campaign(replicates=50), many, drawn, PROVENANCE)
+    assert len(page.encode()) < 3_000_000
+    text = " ".join(" ".join(parsed(page).text).split())
+    assert "10 of 50" in text  # per cell
+    assert "120 of 600 flights" not in text  # point and aircraft are counted apart
+    assert "60 of 300 flights (95 % interval 16 to 25 %)" in text
+    assert "300 more are in" in text
+
+
+def test_flights_that_failed_or_never_began_are_listed(four: tuple[list[Row], dict[str, Any]]) -> None:
+    rows, series = four
+    empty = {key: math.nan for key, value in rows[0].items() if isinstance(value, float)}
+    rows[0] |= empty | {"outcome": "crashed", "message": "KeyError: 'x'", "traceback": "Traceback <here>", "events": [], "recording": None}
+    rows[3] |= dict.fromkeys(empty) | {"outcome": "trim_failed", "events": [], "message": "no trim"}
+    series["fkinematicnone"] = None
+    text = " ".join(parsed(render_page(campaign(), rows, series, PROVENANCE)).text)
+    assert "Traceback <here>" in text
+    assert "1 failed to run" in text
+    assert "1 could not be trimmed" in text
+    assert "not determined" in text
+
+
+def test_no_flight_at_all() -> None:
+    assert "No flight was flown." in render_page(campaign(), [], {}, PROVENANCE)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    if CHROMIUM is None:
+        pytest.skip("no chromium (Debian: chromium)")
+    from playwright.sync_api import sync_playwright
+
+    flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"]
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
+        yield opened
+        opened.close()
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+def test_a_browser_draws_it_without_error_or_request(browser: Any, four: tuple[list[Row], dict[str, Any]], tmp_path: Path) -> None:
+    rows, series = four
+    rows[3]["labels"]["reading"] = NASTY
+    (tmp_path / "index.html").write_text(render_page(campaign(NASTY), rows, series, PROVENANCE), encoding="utf-8")
+    problems: list[str] = []
+    for scheme, width in (("light", 1300), ("dark", 390)):
+        page = browser.new_page(color_scheme=scheme, viewport={"width": width, "height": 900})
+        page.on("console", lambda message: problems.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        page.on("dialog", lambda dialog: (problems.append("a dialog"), dialog.dismiss()))
+        page.on("request", lambda request: None if request.url.startswith(("file:", "data:", "blob:")) else problems.append(request.url))
+        page.goto((tmp_path / "index.html").as_uri())
+        page.wait_for_selector("body[data-ready]", timeout=60_000)
+        assert page.get_attribute("body", "data-ready") == "1"
+        assert page.locator("#plan .scatterlayer .trace").count() > 8
+        assert page.locator("#curves .scatterlayer .trace").count() >= 20
+        assert page.locator("#space canvas").count() >= 1
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")  # nothing sticks out sideways
+        page.locator(".chip").first.click()
+        assert page.locator(".chip").first.get_attribute("aria-pressed") == "false"
+        page.locator("#flights thead button", has_text="least clearance").click()
+        first = page.locator("#flights tbody tr").first.inner_text()
+        assert "9.19" in first
+        page.emulate_media(media="print")
+        page.close()
+    assert problems == []

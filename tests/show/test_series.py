@@ -1,0 +1,61 @@
+"""What the page keeps of a flight: few samples, but the extreme ones; the same bytes every time."""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from testbed.show.series import MOST_SAMPLES, flight_series
+from testbed.types import FlightRecord
+
+MakeRecord = Callable[..., FlightRecord]
+
+
+def test_few_samples_with_every_extreme(make_record: MakeRecord) -> None:
+    record = make_record(plant={"kind": "jsbsim"})
+    series = flight_series(record)
+    assert len(series["time_s"]) <= MOST_SAMPLES < len(record.columns["time_s"])
+    assert series["time_s"][0] == 0.0
+    assert series["time_s"][-1] == 8.0
+    assert series["time_s"] == sorted(set(series["time_s"]))
+    assert min(series["clearance_m"]) == round(float(record.columns["obstacle.O.clearance_m"].min()), 3)
+    assert max(series["cross_track_m"]) == round(float(record.columns["path.cross_track_m"].max()), 3)
+    assert max(series["load_factor"]) == round(float(record.columns["own.load_factor"].max()), 3)
+    assert 3.0 in series["time_s"]  # the decision
+
+
+def test_json_of_the_same_bytes(make_record: MakeRecord) -> None:
+    once, twice = (json.dumps(flight_series(make_record()), allow_nan=False, sort_keys=True) for _ in range(2))
+    assert once == twice
+    assert len(once) < 25_000
+
+
+def test_what_is_not_a_number_is_null(make_record: MakeRecord) -> None:
+    record = make_record()
+    columns = dict(record.columns) | {"own.load_factor": np.full(len(record.columns["time_s"]), math.nan)}
+    series = flight_series(replace(record, columns=columns))
+    assert set(series["load_factor"]) == {None}
+
+
+def test_encounter_is_the_same_whoever_flies(make_record: MakeRecord) -> None:
+    point, craft = flight_series(make_record()), flight_series(make_record(plant={"kind": "jsbsim"}, method={"kind": "none"}))
+    level = flight_series(make_record(geometry="level"))
+    assert point["encounter"] == craft["encounter"] != level["encounter"]
+
+
+def test_obstacle_where_it_was_nearest(make_record: MakeRecord) -> None:
+    record = make_record()
+    told = flight_series(record)["obstacles"][0]
+    nearest = int(np.argmin(record.columns["obstacle.O.clearance_m"]))
+    assert told["nearest_enu_m"] == pytest.approx(list(record.columns["obstacle.O.pos_enu_m"][nearest]), abs=0.005)
+    ends = [np.array([told[axis][k] for axis in "xyz"]) for k in (0, 1)]
+    assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(30.0 * 5.0, abs=0.6)  # 2.5 s either side at 30 m/s
+
+
+def test_a_flight_without_rows(make_record: MakeRecord) -> None:
+    record = make_record()
+    series = flight_series(replace(record, columns={name: column[:0] for name, column in record.columns.items()}, events=()))
+    assert series["time_s"] == series["obstacles"] == []
