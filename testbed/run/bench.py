@@ -6,7 +6,6 @@ The two are timed in turn, pair by pair, and the ratio of each pair is what coun
 import statistics
 from time import perf_counter
 
-from testbed.flight.air import make_wind
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import fly, start_of
 from testbed.flight.plants.jsbsim import JsbsimPlant
@@ -65,7 +64,7 @@ def _pair(plan: FlightPlan) -> tuple[float, float, float, float]:
     record = fly(plan)
     timings = dict(record.timings)
     ticks = len(record.columns["time_s"]) - 1
-    scene = make_scene(plan, make_wind(plan.air))
+    scene = make_scene(plan)
     plant = JsbsimPlant(load_aircraft(plan.aircraft), start_of(plan, scene), plan.rates.plant_hz, plan.rates.guidance_hz, plan.terrain_z_m)
     run = plant.step_bare
     began = perf_counter()

@@ -1,0 +1,57 @@
+# `make paper` and `make test` each do everything from a fresh clone on a machine with python3 (3.11), venv, make and git.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --no-input
+STAMP := $(VENV)/.installed
+CHECKED := testbed vosc tests
+
+.DEFAULT_GOAL := help
+.PHONY: help paper test fast bench report lock clean
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
+
+# Installed once, and again when what is to be installed changes. Everything comes from the lock, checked by its hash, the build
+# backend included; so the project itself is built without an isolated (unlocked) environment.
+$(STAMP): requirements.lock pyproject.toml
+	@start=$$(date +%s); set -e; \
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV); \
+	$(PIP) install --quiet --progress-bar off --no-deps --require-hashes -r requirements.lock; \
+	$(PIP) install --quiet --no-deps --no-build-isolation --editable .; \
+	$(PIP) check; \
+	touch $@; echo "installation: $$(( $$(date +%s) - start )) s"
+
+paper: $(STAMP) ## fly the paper's encounter: reports/runs/paper-single/index.html
+	@start=$$(date +%s); set -e; \
+	$(BIN)/testbed run campaigns/paper_single.yaml --fresh; \
+	echo "main job: $$(( $$(date +%s) - start )) s (installation not included)"
+
+test: $(STAMP) ## style, types, import order, all tests
+	$(BIN)/ruff check $(CHECKED)
+	$(BIN)/ruff format --check $(CHECKED)
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest
+
+fast: $(STAMP) ## the tests that take no longer than a second
+	$(BIN)/pytest -m "not slow and not browser and not viewer"
+
+bench: $(STAMP) ## time a flight against the bare stepping of its plant
+	$(BIN)/testbed bench
+
+report: $(STAMP) ## write the page and tables of the paper's campaign again, without flying
+	$(BIN)/testbed report reports/runs/paper-single
+
+# No index and no folder of wheels is written down: the hashes say what the packages are, pip's configuration says where they are.
+lock: ## choose versions again: the newest that fit pyproject.toml, for Python 3.11 on x86-64 Linux
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(PIP) install --quiet uv
+	$(BIN)/uv pip compile pyproject.toml --quiet --upgrade --all-extras --generate-hashes --no-annotate --no-header \
+	  --no-emit-index-url --no-emit-find-links --python-version 3.11 --python-platform x86_64-manylinux_2_28 -o requirements.lock
+	@! grep -nE '://|^-' requirements.lock
+
+clean: ## remove the environment and caches; runs stay
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	find testbed vosc tests -name __pycache__ -prune -exec rm -rf {} +

@@ -1,0 +1,221 @@
+"""The command line: parses, calls one function, turns what can go wrong into exit codes.
+
+0: all ran. 1: some flight crashed, or a replay differs. 2: bad input. 130: interrupted.
+"""
+
+import contextlib
+import os
+import shlex
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, NoReturn, TextIO
+
+import typer
+
+if TYPE_CHECKING:
+    from testbed.run.engines import Engine
+    from testbed.run.runner import Summary
+
+app = typer.Typer(pretty_exceptions_enable=False, no_args_is_help=True, help="Fly avoidance campaigns and look at what came out.")
+
+CRASHED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+
+def main() -> None:
+    """Entry point of the ``testbed`` command."""
+    app()
+
+
+def _say(text: str, stream: TextIO | None = None) -> None:
+    """Print; a reader that has gone away (``| head``) is no reason to fail."""
+    stream = stream or sys.stdout
+    try:
+        print(text, file=stream, flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _fail(text: str, code: int = BAD_INPUT) -> NoReturn:
+    _say(text, sys.stderr)
+    raise typer.Exit(code)
+
+
+@contextlib.contextmanager
+def _bad_input() -> Iterator[None]:
+    """Say what is wrong with the input, without a traceback."""
+    from testbed.run.directory import BadInputError
+    from testbed.run.engines import EngineError
+    from testbed.spec import SpecError
+
+    try:
+        yield
+    except (SpecError, BadInputError, EngineError) as problem:
+        _fail(str(problem))
+    except OSError as problem:  # a disk that is full, a folder that is read-only
+        _fail(": ".join(str(part) for part in (problem.filename, problem.strerror or problem) if part is not None))
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        _say(f"testbed {version('vosc-testbed')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def run(
+    file: Annotated[Path, typer.Argument(help="The campaign, a YAML file.")],
+    out: Annotated[Path | None, typer.Option(help="Run directory; default reports/runs/<name>.")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Worker processes; default one per core.")] = None,
+    engine: Annotated[Literal["local", "dask"], typer.Option(help="Where flights are flown.")] = "local",
+    scheduler: Annotated[str | None, typer.Option(help="With --engine dask: its address, or its scheduler file.")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Remove a former run in the directory first.")] = False,
+    override: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a setting: dotted path, YAML value.")
+    ] = None,
+) -> None:
+    """Fly a campaign, or what is left of it; the last line on stdout is the run directory."""
+    with _bad_input():
+        from testbed.run import progress, runner
+
+        overrides = tuple(override or ())
+        try:
+            with progress.progress() as show:
+                order = runner.Order(
+                    source=file,
+                    out=out,
+                    overrides=overrides,
+                    engine=_engine(engine, workers or len(os.sched_getaffinity(0)), scheduler),
+                    fresh=fresh,
+                    command=("testbed", *sys.argv[1:]),
+                    progress=show,
+                )
+                summary = runner.run(order)
+        except KeyboardInterrupt:
+            resume = _without_fresh(sys.argv[1:])
+            _fail(f"interrupted; what was flown is kept. To go on:\n  testbed {shlex.join(resume)}", INTERRUPTED)
+    _summarise(summary)
+
+
+def _engine(name: str, workers: int, scheduler: str | None) -> "Engine":
+    from testbed.run.directory import BadInputError
+    from testbed.run.engines import LocalEngine
+
+    if name == "dask":
+        from testbed.run.dask_engine import DaskEngine
+
+        return DaskEngine(workers, scheduler)
+    if scheduler is not None:
+        raise BadInputError("--scheduler goes with --engine dask")
+    return LocalEngine(workers)
+
+
+def _without_fresh(arguments: list[str]) -> list[str]:
+    return [argument for argument in arguments if argument != "--fresh"]
+
+
+def _summarise(summary: "Summary") -> None:
+    """What came out, on stderr; the run directory, on stdout; the exit code."""
+    outcomes = ", ".join(f"{count} {outcome}" for outcome, count in sorted(summary.outcomes.items()))
+    flown = sum(summary.outcomes.values())
+    _say(f"{flown} of {summary.planned} flights ({summary.flown_now} flown now): {outcomes or 'none'}", sys.stderr)
+    if summary.crashed:
+        _say(
+            f"{summary.crashed} crashed: the program failed to fly them; see 'traceback' in {summary.directory / 'rows.jsonl'}", sys.stderr
+        )
+    if summary.mixed_code:
+        _say("warning: the code changed during the run, so its flights may not be of one code; start again with --fresh", sys.stderr)
+    _say(str(summary.directory))
+    raise typer.Exit(CRASHED if summary.crashed else 0)
+
+
+@app.command()
+def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")]) -> None:
+    """Check campaigns without flying them."""
+    with _bad_input():
+        from testbed.spec import SpecError, expand, load_campaign
+
+        bad = False
+        for file in files:
+            try:
+                plans = list(expand(load_campaign(file)))
+            except SpecError as problems:
+                _say(str(problems), sys.stderr)
+                bad = True
+            else:
+                _say(f"{file}: {len(plans)} flights in {len({plan.cell for plan in plans})} cells")
+    raise typer.Exit(BAD_INPUT if bad else 0)
+
+
+@app.command()
+def report(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A run directory.")]) -> None:
+    """Write tables and page of a run again, without flying."""
+    with _bad_input():
+        from testbed.run import runner
+
+        summary = runner.report(directory)
+    _summarise(summary)
+
+
+@app.command()
+def replay(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="A run directory.")],
+    flight_id: Annotated[str, typer.Argument(help="Its beginning is enough.")],
+    out: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Default: DIR/recordings/FLIGHT_ID.rrd.")] = None,
+) -> None:
+    """Fly one flight of a run again, record it, and compare it with its row."""
+    with _bad_input():
+        from testbed.run import runner
+
+        again = runner.replay(directory, flight_id, out)
+    if again.differences:
+        why = "" if again.same_code else " (code or package versions are not those of the run)"
+        lines = "".join(f"\n  {line}" for line in again.differences)
+        _say(f"flight {again.flight_id} differs from its row in the run{why}:{lines}", sys.stderr)
+    else:
+        _say(f"flight {again.flight_id}: metrics and events equal its row in the run", sys.stderr)
+    _say(str(again.recording))
+    raise typer.Exit(CRASHED if again.differences else 0)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of a campaign, for editors."""
+    from testbed import spec
+
+    _say(spec.schema().rstrip("\n"))
+
+
+@app.command("list")
+def list_parts(what: Annotated[Literal["aircraft", "methods", "guidance", "plants"] | None, typer.Argument()] = None) -> None:
+    """What a campaign can name: one name a line, or everything."""
+    from typing import get_args
+
+    from testbed.catalogue import aircraft_folders
+    from testbed.spec.model import GuidanceSpec, PlantSpec
+    from vosc.methods import METHODS
+
+    parts: dict[str, list[str]] = {
+        "aircraft": list(aircraft_folders()),
+        "methods": list(METHODS),
+        "guidance": list(get_args(GuidanceSpec.model_fields["kind"].annotation)),
+        "plants": list(get_args(PlantSpec.model_fields["kind"].annotation)),
+    }
+    _say("\n".join(parts[what]) if what else "\n".join(f"{kind + ':':10} {', '.join(names)}" for kind, names in parts.items()))
+
+
+@app.command()
+def bench() -> None:
+    """Time a flight against the bare stepping of its plant, side by side."""
+    from testbed.run.bench import bench as measure
+
+    _say(measure())

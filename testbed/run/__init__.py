@@ -1,0 +1,1 @@
+"""MANY flights: one job, the engines that spread jobs over processes, the run directory."""

@@ -1,0 +1,93 @@
+"""The run directory: whose it is, who may write to it, and how files get into it whole."""
+
+import fcntl
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+LOCK = ".lock"
+OURS = ("campaign.yaml", "plan.json", "rows.jsonl", "results.csv", "results.parquet", "timings.csv", "index.html")
+MANIFEST = "manifest.json"
+
+
+class BadInputError(Exception):
+    """What was asked for cannot be done; str() says why and what to do."""
+
+
+@dataclass(frozen=True)
+class RunDirectory:
+    """Paths in a run directory. ``manifest.json`` is written first and removed last: a folder without it is not ours."""
+
+    path: Path
+
+    def __truediv__(self, name: str) -> Path:
+        return self.path / name
+
+    @property
+    def recordings(self) -> Path:
+        return self.path / "recordings"
+
+    @property
+    def is_run(self) -> bool:
+        return (self / MANIFEST).is_file()
+
+    def load(self, name: str) -> Any:
+        """A JSON file of the run."""
+        try:
+            return json.loads((self / name).read_bytes())
+        except FileNotFoundError:
+            raise BadInputError(f"{self.path}: no {name} here; is it a run directory?") from None
+        except ValueError as problem:
+            raise BadInputError(
+                f"{self / name}: damaged ({problem}); start again with --fresh, or into another directory with --out"
+            ) from None
+
+    def claim(self) -> None:
+        """Create the directory, or make sure that nothing of anybody else is in it."""
+        if self.path.exists() and not self.path.is_dir():
+            raise BadInputError(f"{self.path}: not a directory; choose another with --out")
+        self.path.mkdir(parents=True, exist_ok=True)
+        foreign = sorted(entry.name for entry in self.path.iterdir() if not entry.name.startswith("."))
+        if foreign and not self.is_run:
+            shown = ", ".join(foreign[:3]) + (", ..." if len(foreign) > 3 else "")
+            raise BadInputError(f"{self.path}: holds files that are not of a run ({shown}); choose another directory with --out")
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Be the only writer. The lock goes with the process, however it ends."""
+        with (self / LOCK).open("w") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise BadInputError(
+                    f"{self.path}: another run is writing here; wait for it, or choose another directory with --out"
+                ) from None
+            yield
+
+    def clear(self) -> None:
+        """Remove a former run, and nothing else."""
+        for recording in self.recordings.glob("*.rrd*"):
+            recording.unlink()
+        for name in (*OURS, MANIFEST):
+            (self / name).unlink(missing_ok=True)
+
+    def put(self, name: str, data: bytes) -> None:
+        """Write a file so that a reader, or the next run, sees the old one or the new one and nothing between."""
+        target, draft = self / name, self / f".{name}.new"
+        try:
+            with draft.open("wb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(draft, target)
+        finally:
+            draft.unlink(missing_ok=True)
+        folder = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)

@@ -1,0 +1,109 @@
+"""What a result depends on: the plan, the code, the versions of what it uses. Two runs with the same identity may share a directory."""
+
+import hashlib
+import json
+import platform
+import re
+import subprocess
+from collections.abc import Iterable
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import testbed
+import vosc
+from testbed.catalogue import AIRCRAFT_ROOT, aircraft_folders
+
+DISTRIBUTION = "vosc-testbed"
+
+
+def versions() -> dict[str, str]:
+    """Of Python and of every package the project needs at run time."""
+    needs = (re.match(r"[\w.\-]+", line) for line in metadata.requires(DISTRIBUTION) or [] if "extra ==" not in line)
+    names = sorted(match.group() for match in needs if match)
+    return {"python": platform.python_version()} | {name: metadata.version(name) for name in names}
+
+
+def code_hash() -> str:
+    """Of every file of the packages and of the aircraft, committed or not: a changed tree is another code."""
+    digest = hashlib.sha256()
+    for folder in (Path(testbed.__file__).parent, Path(vosc.__file__).parent, AIRCRAFT_ROOT):
+        for file in _sources(folder):
+            content = file.read_bytes()
+            digest.update(f"{folder.name}/{file.relative_to(folder).as_posix()} {len(content)}\n".encode() + content)
+    return digest.hexdigest()[:16]
+
+
+def _sources(folder: Path) -> list[Path]:
+    def counts(file: Path) -> bool:
+        parts = file.relative_to(folder).parts
+        return file.is_file() and "__pycache__" not in parts and not any(part.startswith(".") for part in parts)
+
+    return sorted(filter(counts, folder.rglob("*")))
+
+
+def revision() -> dict[str, Any]:
+    """Commit and whether the tree differs from it; both None where the code is not in a repository of its own."""
+    root = AIRCRAFT_ROOT.parent
+    if _git(root, "ls-files", "--error-unmatch", "testbed/__init__.py") is None:  # e.g. installed inside somebody else's repository
+        return {"revision": None, "dirty": None}
+    return {"revision": _git(root, "rev-parse", "HEAD"), "dirty": bool(_git(root, "status", "--porcelain"))}
+
+
+def _git(root: Path, *arguments: str) -> str | None:
+    try:
+        done = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True, timeout=20, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip()
+
+
+def aircraft_hashes(names: Iterable[str]) -> dict[str, dict[str, str]]:
+    """SHA-256 of each file of each aircraft flown."""
+    folders = {name: aircraft_folders()[name] for name in sorted(set(names))}
+    return {
+        name: {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest() for file in _sources(folder)}
+        for name, folder in folders.items()
+    }
+
+
+def machine() -> dict[str, str]:
+    """What kind of machine this is, not which one."""
+    return {"system": platform.system(), "machine": platform.machine(), "libc": "-".join(platform.libc_ver())}
+
+
+def canonical(data: Any) -> bytes:
+    """The same bytes for the same JSON data."""
+    return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
+def plan_hash(plan: Any) -> str:
+    """Of the campaign and its flights."""
+    return hashlib.sha256(canonical(plan)).hexdigest()[:16]
+
+
+def flat(data: Any, path: str = "") -> dict[str, Any]:
+    """Nested data as dotted path to leaf; a list is a leaf unless it holds sections."""
+    if isinstance(data, dict) and data:
+        items = data.items()
+    elif isinstance(data, list) and any(isinstance(item, dict) for item in data):
+        items = {item.get("name", str(n)) if isinstance(item, dict) else str(n): item for n, item in enumerate(data)}.items()
+    else:
+        return {path: data}
+    return {key: leaf for name, item in items for key, leaf in flat(item, f"{path}.{name}" if path else name).items()}
+
+
+def differences(there: Any, now: Any) -> list[str]:
+    """One sentence for each leaf that differs."""
+    old, new = flat(there), flat(now)
+    absent = object()
+    return [
+        f"{key}: {_shown(old, key)} there, {_shown(new, key)} now"
+        for key in dict.fromkeys([*old, *new])
+        if old.get(key, absent) != new.get(key, absent)
+    ]
+
+
+def _shown(leaves: dict[str, Any], key: str) -> str:
+    text = json.dumps(leaves[key]) if key in leaves else "nothing"
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,95 @@
+"""One flight of a campaign from plan to row: fly, measure, record. A bug becomes a row too."""
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from testbed.spec.model import FlightPlan
+from testbed.types import FlightMetrics, FlightRecord, Outcome
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A plan, and what to keep of its flight."""
+
+    plan: FlightPlan
+    recording_path: Path | None = None  # absolute: workers need not share the driver's current folder
+    want_series: bool = False
+
+
+@dataclass(frozen=True)
+class JobResult:
+    """What a job gives back. ``row`` and ``series`` follow from the plan alone; ``timings`` are wall-clock seconds."""
+
+    row: Row
+    series: dict[str, Any] | None
+    timings: dict[str, float]
+
+
+def run_job(job: Job) -> JobResult:
+    """Fly, measure and record one plan; a failure of the program is a row with outcome ``crashed``."""
+    try:
+        return _run(job)
+    except Exception as bug:
+        return crashed(job, f"{type(bug).__name__}: {bug}", traceback.format_exc())
+
+
+def crashed(job: Job, message: str, details: str) -> JobResult:
+    """The row of a flight that the program failed to fly."""
+    metrics = {field.name: float("nan") if field.type is float else field.type() for field in fields(FlightMetrics)}  # type: ignore[operator]
+    metrics["outcome"] = Outcome.CRASHED.value
+    return JobResult(_identity(job.plan) | metrics | _story([], message, details, None), None, {})
+
+
+def _run(job: Job) -> JobResult:
+    from testbed.flight.fly import fly
+    from testbed.results.metrics import measure
+
+    timings: dict[str, float] = {}
+    record: FlightRecord = _timed(timings, "fly", lambda: fly(job.plan))
+    metrics: FlightMetrics = _timed(timings, "measure", lambda: measure(record))
+    series = None
+    if job.want_series:
+        from testbed.show.series import flight_series
+
+        series = _timed(timings, "series", lambda: flight_series(record))
+    recording = None
+    if job.recording_path is not None:
+        from testbed.show.recording import write_recording
+
+        path = job.recording_path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _timed(timings, "record", lambda: write_recording(record, metrics, path))
+        recording = f"{path.parent.name}/{path.name}"
+    row = _identity(job.plan) | asdict(metrics) | _story([asdict(event) for event in record.events], record.message, "", recording)
+    return JobResult(row, series, timings | {f"fly.{stage.removesuffix('_s')}": seconds for stage, seconds in record.timings})
+
+
+def _timed(timings: dict[str, float], stage: str, work: Callable[[], Any]) -> Any:
+    start = time.perf_counter()
+    try:
+        return work()
+    finally:
+        timings[stage] = time.perf_counter() - start
+
+
+def _identity(plan: FlightPlan) -> Row:
+    return {
+        "flight_id": plan.flight_id,
+        "cell": plan.cell,
+        "labels": dict(plan.labels),
+        "replicate": plan.replicate,
+        "seed": plan.seed,
+        "plant": plan.plant.kind,
+        "aircraft": plan.aircraft,
+        "method": plan.method.kind,
+    }
+
+
+def _story(events: list[dict[str, Any]], message: str, details: str, recording: str | None) -> Row:
+    return {"events": events, "message": message, "traceback": details, "recording": recording}

@@ -1,0 +1,88 @@
+"""``manifest.json``: what a run is of and where its results come from; and whether it can be continued."""
+
+import json
+from typing import Any
+
+from testbed.run import identity
+from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
+from testbed.spec.model import Campaign
+
+Manifest = dict[str, Any]
+Fingerprint = dict[str, Any]
+
+SHOWN = ("campaign", "source", "overrides", "seed", "revision", "dirty", "platform", "aircraft")
+"""What the page may say of a run's origin: nothing that changes with the hour, the number of workers or the folder."""
+
+
+MIXED = "changed while flying"
+"""In the place of the code's hash: workers that started later may have read other code. Such a run cannot be continued."""
+
+
+def fingerprint(plan: Any) -> Fingerprint:
+    """What must be the same for a run to be continued."""
+    return {"plan": identity.plan_hash(plan), "code": identity.code_hash(), "versions": identity.versions()}
+
+
+def new(campaign: Campaign, source: str, overrides: tuple[str, ...], plan: dict[str, Any]) -> Manifest:
+    """The manifest of a run that begins."""
+    return {
+        "campaign": campaign.name,
+        "source": source,
+        "overrides": list(overrides),
+        "seed": campaign.seed,
+        "flights": len(plan["flights"]),
+        "identity": fingerprint(plan),
+        **identity.revision(),
+        "platform": identity.machine(),
+        "aircraft": identity.aircraft_hashes(flight["aircraft"] for flight in plan["flights"]),
+        "history": [],
+    }
+
+
+def load(directory: RunDirectory) -> Manifest:
+    """The manifest of a run that is there."""
+    manifest = directory.load(MANIFEST)
+    try:
+        _ = [manifest[key] for key in (*SHOWN, "history")] + [manifest["identity"][key] for key in ("plan", "code", "versions")]
+    except (TypeError, KeyError):
+        raise BadInputError(f"{directory / MANIFEST}: damaged; start again with --fresh, or into another directory with --out") from None
+    return manifest
+
+
+def save(directory: RunDirectory, manifest: Manifest) -> None:
+    """Write it, whole."""
+    directory.put(MANIFEST, json.dumps(manifest, indent=2).encode() + b"\n")
+
+
+def refuse_another(directory: RunDirectory, manifest: Manifest, plan: dict[str, Any]) -> None:
+    """Raise unless the run in the directory is of the same plan, code and versions; say what differs."""
+    there, now = manifest["identity"], fingerprint(plan)
+    if there == now:
+        return
+    why = []
+    if there["plan"] != now["plan"]:
+        old = directory.load("plan.json") if (directory / "plan.json").exists() else None
+        details = identity.differences(old.get("campaign") if isinstance(old, dict) else None, plan["campaign"]) or [
+            "the same campaign expands to other flights"
+        ]
+        why += [f"campaign: {line}" for line in details[:10]]
+    if there["code"] != now["code"]:
+        why.append(f"code: {there['code']} there, {now['code']} now (the sources of testbed or vosc, or aircraft, changed)")
+    why += [f"version: {line}" for line in identity.differences(there["versions"], now["versions"])]
+    raise BadInputError(
+        f"{directory.path}: holds another run, which cannot be continued:\n"
+        + "".join(f"  {line}\n" for line in why)
+        + "start again with --fresh (removes that run), or write elsewhere with --out"
+    )
+
+
+def provenance(manifest: Manifest, planned: int, flown: int) -> dict[str, Any]:
+    """What the page is told of the run's origin."""
+    names = manifest["identity"]
+    return {key: manifest[key] for key in SHOWN} | {
+        "plan_hash": names["plan"],
+        "code_hash": names["code"],
+        "versions": names["versions"],
+        "flights_planned": planned,
+        "flights_flown": flown,
+    }
