@@ -219,3 +219,13 @@ def bench() -> None:
     from testbed.run.bench import bench as measure
 
     _say(measure())
+
+
+@app.command()
+def audit(out: Annotated[Path, typer.Option(help="Where audit.csv and audit.html go.")] = Path("reports/paper")) -> None:
+    """Put every number that the paper prints to the test, under named readings."""
+    with _bad_input():
+        from testbed.paper.report import write_audit
+
+        for file in write_audit(out):
+            _say(str(file))
