@@ -71,6 +71,8 @@ class ReplanEvent:
     max_curvature_to_insertion_1pm: float
     max_curvature_to_goal_1pm: float
     planned_length_m: float  # from the present position to the goal
+    wind_known_enu_mps: Vec3 = (0.0, 0.0, 0.0)  # what the planner took for the wind; cap, command's size, deflection and insertion
+    # rule are those of the velocities less this wind, while the velocities here are over the ground
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,7 @@ class FlightRecord:
     ``columns``: ``time_s`` (n,); ``own.pos_enu_m`` ``own.vel_enu_mps`` (n,3); ``own.quat_enu_from_body_xyzw`` (n,4);
     ``own.bank_rad`` ``own.pitch_rad`` ``own.heading_rad`` ``own.load_factor`` ``own.airspeed_mps`` ``own.alpha_rad``
     ``own.beta_rad`` (n,); ``own.rates_body_radps`` (n,3); ``own.throttle`` ``own.elevator`` ``own.aileron`` ``own.rudder`` (n,) commands;
+    ``air.wind_enu_mps`` (n,3) velocity of the air over the ground at the aircraft, gusts included: airspeed = |velocity - wind|;
     ``guidance.s_m`` ``guidance.bank_cmd_rad`` ``guidance.load_factor_cmd`` (n,), ``guidance.saturated`` (n,) 0 or 1;
     ``path.index`` (n,) which of ``paths`` was active; ``path.leg`` (n,) piece of that path;
     ``path.cross_track_m`` (n,) 3-D distance to the active path, exact;

@@ -10,3 +10,6 @@ FT = 0.3048
 
 G0_MPS2 = 9.80665
 """Standard acceleration of free fall, m/s^2 (CGPM 1901, exact)."""
+
+KNOT = 1852.0 / 3600.0
+"""Metres per second in a knot (exact)."""

@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 from testbed.flight.aircraft import Aircraft
-from testbed.flight.plants.base import Command, State
+from testbed.flight.plants.base import Command, State, make
 from testbed.units import DEG, G0_MPS2
 
 
@@ -40,36 +40,39 @@ class Autopilot:
 
     def step(self, memory: Memory, state: State, command: Command) -> tuple[Surfaces, Memory]:
         g = self._gains
-        ratio = g.reference_mps / max(state.airspeed, 1.0)
+        _, _, _, _, _, _, bank, pitch, _, load_factor, airspeed, _, beta, p, q, r, *_ = state
+        airspeed = airspeed if airspeed > 1.0 else 1.0
+        ratio = g.reference_mps / airspeed
         scale = ratio * ratio
 
-        roll_cmd = g.bank_1ps * (command.bank - state.bank)
-        roll_cmd = max(-self._roll_limit, min(self._roll_limit, roll_cmd))
-        aileron = scale * g.aileron_per_roll_rate_s * (roll_cmd - state.p) + ratio * g.aileron_feed_forward_s * roll_cmd
-        aileron_out = max(-1.0, min(1.0, aileron))
+        most = self._roll_limit
+        roll_cmd = g.bank_1ps * (command.bank - bank)
+        roll_cmd = -most if roll_cmd < -most else most if roll_cmd > most else roll_cmd
+        aileron = scale * g.aileron_per_roll_rate_s * (roll_cmd - p) + ratio * g.aileron_feed_forward_s * roll_cmd
+        aileron_out = -1.0 if aileron < -1.0 else 1.0 if aileron > 1.0 else aileron
 
-        cos_bank, cos_pitch = math.cos(state.bank), math.cos(state.pitch)
-        error = command.load_factor - state.load_factor
-        turn = G0_MPS2 / max(state.airspeed, 1.0)
-        pitch_rate_cmd = turn * (command.load_factor - cos_bank * cos_pitch)
+        cos_pitch = math.cos(pitch)
+        error = command.load_factor - load_factor
+        turn = G0_MPS2 / airspeed
+        pitch_rate_cmd = turn * (command.load_factor - math.cos(bank) * cos_pitch)
         elevator = -scale * (
             g.elevator_per_load_factor * (command.load_factor - 1.0)
             + g.elevator_p * error
             + memory.elevator
-            + g.elevator_per_pitch_rate_s * (pitch_rate_cmd - state.q)
+            + g.elevator_per_pitch_rate_s * (pitch_rate_cmd - q)
         )
-        elevator_out = max(-1.0, min(1.0, elevator))
+        elevator_out = -1.0 if elevator < -1.0 else 1.0 if elevator > 1.0 else elevator
 
-        yaw_rate_cmd = turn * math.sin(state.bank) * cos_pitch
-        rudder = scale * (g.rudder_per_beta * state.beta + g.rudder_per_yaw_rate_s * (state.r - yaw_rate_cmd))
-        rudder_out = max(-1.0, min(1.0, rudder))
+        yaw_rate_cmd = turn * math.sin(bank) * cos_pitch
+        rudder = scale * (g.rudder_per_beta * beta + g.rudder_per_yaw_rate_s * (r - yaw_rate_cmd))
+        rudder_out = -1.0 if rudder < -1.0 else 1.0 if rudder > 1.0 else rudder
 
         throttle, throttle_memory = self._throttle(memory, state, command)
         still = aileron_out == aileron and elevator_out == elevator and rudder_out == rudder
         grow = elevator_out == elevator  # no wind-up against a stop
         integral = memory.elevator + (g.elevator_i_1ps * error * self._dt if grow else 0.0)
-        surfaces = Surfaces(elevator_out, aileron_out, rudder_out, throttle, not still)
-        return surfaces, Memory(integral, throttle_memory)
+        surfaces = make(Surfaces, (elevator_out, aileron_out, rudder_out, throttle, not still))
+        return surfaces, make(Memory, (integral, throttle_memory))
 
     def _throttle(self, memory: Memory, state: State, command: Command) -> tuple[float, float]:
         """Feed-forward of climb and acceleration, plus PI on airspeed."""
@@ -77,6 +80,6 @@ class Autopilot:
         error = command.speed - state.airspeed
         demand = command.sin_climb + command.accel / G0_MPS2
         raw = self._trim_throttle + g.throttle_per_accel_g * demand + g.throttle_per_mps * error + memory.throttle
-        out = max(0.0, min(1.0, raw))
+        out = 0.0 if raw < 0.0 else 1.0 if raw > 1.0 else raw
         integral = memory.throttle + (g.throttle_integral_1ps * error * self._dt if out == raw else 0.0)
         return out, integral

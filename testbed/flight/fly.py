@@ -9,7 +9,6 @@ plant it has. Time is an integer tick.
 import math
 from time import perf_counter
 
-from testbed.flight.air import make_wind
 from testbed.flight.aircraft import idealised, load_aircraft
 from testbed.flight.guidance import Law
 from testbed.flight.log import FlightLog, finish
@@ -22,7 +21,6 @@ from testbed.spec.model import FlightPlan
 from testbed.types import FlightRecord, Outcome
 
 GOAL_GATE_M = 20.0  # reached = crossing the goal's plane within this distance
-TIME_OUT = 3.0  # times the planned time
 HIGHEST_M = 1e5  # a state above this has diverged
 
 
@@ -30,7 +28,7 @@ def fly(plan: FlightPlan) -> FlightRecord:
     """Fly one plan. What happens to the aircraft is an outcome in the record, never an exception."""
     began = perf_counter()
     try:
-        scene = make_scene(plan, make_wind(plan.air))
+        scene = make_scene(plan)
     except ValueError as error:
         return finish(FlightLog(plan, math.nan), None, Outcome.NO_PATH, f"no route: {error}", {})
     path = ActivePath((scene.route,))
@@ -83,14 +81,14 @@ def _loop(plan: FlightPlan, scene: Scene, path: ActivePath, plant: Plant, law: L
 def start_of(plan: FlightPlan, scene: Scene) -> Start:
     """The state on the route at which the flight begins."""
     point, tangent, curvature = scene.route.frame(scene.begin_s_m)
-    return Start(point, tangent, curvature, plan.speed_mps, scene.wind(0.0, point))
+    return Start(point, tangent, curvature, plan.speed_mps, scene.air.mean(0.0, point))
 
 
 class _Ending:
     """Has the flight ended, and how? Asked at the guidance rate."""
 
     def __init__(self, plan: FlightPlan, scene: Scene) -> None:
-        limit = TIME_OUT * scene.planned_time_s
+        limit = scene.longest_s
         self._last_tick = math.ceil(limit * plan.rates.plant_hz) if math.isfinite(limit) else 0
         self._ground = plan.terrain_z_m
         self._goal, (self._tx, self._ty, self._tz) = scene.goal, scene.goal_tangent

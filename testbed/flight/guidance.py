@@ -11,20 +11,23 @@ is returned with the command.
 import math
 from typing import NamedTuple, Protocol
 
-from testbed.flight.aircraft import Aircraft
+from testbed.flight.aircraft import Aircraft, Limits
 from testbed.flight.path import ActivePath
-from testbed.flight.plants.base import Command, State
+from testbed.flight.plants.base import Command, State, make
 from testbed.units import DEG, G0_MPS2
 
 LEAST_LIFT_MPS2 = 2.0  # below this the bank command would be singular (push-over through zero g)
 INTEGRAL_LIMIT_MPS2 = 3.0
+CATCH_UP_1PS = 0.5  # airspeed added per metre behind the schedule ...
+CATCH_UP_SHARE = 0.06  # ... up to this share of the set speed
 STEEPEST_RETURN = 0.5  # sine of the angle at which a far-off path is approached: beyond it the error no longer adds to the demand
 
 
 class Memory(NamedTuple):
-    """Arc length of the last projection, and the integral of the error (ENU, m/s^2)."""
+    """Arc length of the last projection, where the schedule has the aircraft, and the integral of the error (ENU, m/s^2)."""
 
-    s_m: float = 0.0
+    s_m: float
+    scheduled_s_m: float
     ix: float = 0.0
     iy: float = 0.0
     iz: float = 0.0
@@ -48,23 +51,62 @@ class Law(Protocol):
     def step(self, memory: Memory, state: State, path: ActivePath) -> tuple[Command, Memory, Telemetry]: ...
 
 
+class BankToTurn:
+    """From a lift demand to bank and load factor, within an aircraft's limits."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._bank = limits.bank_deg * DEG
+        self._n_min, self._n_max = limits.load_factor_min, limits.load_factor_max
+        self._n_per_speed2 = 1.0 / limits.alpha_max_1g_mps**2
+
+    def solve(self, left: float, up: float, state: State) -> tuple[float, float, bool]:
+        """Bank (rad), load factor, and whether a limit cut them; ``left`` and ``up`` in m/s^2, gravity made up for in ``up``."""
+        most = self._bank
+        raw_bank = math.atan2(-left, up if up > LEAST_LIFT_MPS2 else LEAST_LIFT_MPS2)
+        bank = -most if raw_bank < -most else most if raw_bank > most else raw_bank
+        # the lift that serves the demand at the bank the aircraft has, not at the one it was told
+        raw_n = (up * math.cos(state.bank) - left * math.sin(state.bank)) / G0_MPS2
+        available = self._n_per_speed2 * state.airspeed * state.airspeed
+        n_max = available if available < self._n_max else self._n_max
+        load_factor = self._n_min if raw_n < self._n_min else n_max if raw_n > n_max else raw_n
+        return bank, load_factor, bank != raw_bank or load_factor != raw_n
+
+
+class SpeedHold(NamedTuple):
+    """Which speed is held, and whether time lost along the path is made up for."""
+
+    speed_mps: float
+    airspeed: bool  # true: the airspeed is held; false: the speed over the ground
+    keep_schedule: bool
+
+    def solve(self, state: State, ground_speed: float, behind_m: float) -> tuple[float, float]:
+        """The airspeed to fly, and the speed along the path that the schedule moves on with, m/s.
+
+        In wind the schedule of an airspeed hold moves with the ground speed that the set airspeed would give just now.
+        """
+        drift = ground_speed - state.airspeed
+        airspeed, scheduled = (self.speed_mps, self.speed_mps + drift) if self.airspeed else (self.speed_mps - drift, self.speed_mps)
+        if self.keep_schedule:
+            most = CATCH_UP_SHARE * self.speed_mps
+            airspeed += max(-most, min(most, CATCH_UP_1PS * behind_m))
+        return airspeed, scheduled
+
+
 class LookAheadLaw:
     """The law above, with one aircraft's gains and limits."""
 
-    def __init__(self, aircraft: Aircraft, speed_mps: float, hold_airspeed: bool, dt_s: float) -> None:
-        gains, limits = aircraft.guidance, aircraft.limits
+    def __init__(self, aircraft: Aircraft, hold: SpeedHold, dt_s: float) -> None:
+        gains = aircraft.guidance
         self._stiffness = gains.bandwidth_rad_s**2
         self._damping = 2.0 * gains.damping * gains.bandwidth_rad_s
         self._integral = gains.integral_1ps * self._stiffness
         self._bank_lead, self._lift_lead = gains.bank_lead_s, gains.load_factor_lead_s
         self._power_lead = aircraft.autopilot.throttle_lag_s
-        self._bank_limit = limits.bank_deg * DEG
-        self._n_min, self._n_max = limits.load_factor_min, limits.load_factor_max
-        self._n_per_speed2 = 1.0 / limits.alpha_max_1g_mps**2
-        self._speed, self._hold_airspeed, self._dt = speed_mps, hold_airspeed, dt_s
+        self._turn = BankToTurn(aircraft.limits)
+        self._hold, self._dt = hold, dt_s
 
     def start(self, s_m: float) -> Memory:
-        return Memory(s_m)
+        return Memory(s_m, s_m)
 
     def step(self, memory: Memory, state: State, path: ActivePath) -> tuple[Command, Memory, Telemetry]:
         x, y, z, vx, vy, vz = state[:6]
@@ -84,9 +126,8 @@ class LookAheadLaw:
         v_along = vx * tx + vy * ty + vz * tz
         rx, ry, rz = vx - v_along * tx, vy - v_along * ty, vz - v_along * tz
 
-        _, ahead = path.look_up(s + v_along * self._bank_lead)
-        _, lift_ahead = path.look_up(s + v_along * self._lift_lead)
-        _, power_ahead = path.look_up(s + v_along * self._power_lead)
+        v_on = v_along if v_along > 0.0 else 0.0
+        ahead, lift_ahead, power_ahead = path.rows_at(s + v_on * self._bank_lead, s + v_on * self._lift_lead, s + v_on * self._power_lead)
         v2 = v_along * v_along
         c = self._damping
         k = self._stiffness
@@ -100,22 +141,15 @@ class LookAheadLaw:
         left = ((bx + v2 * ahead[6]) * -vy + (by + v2 * ahead[7]) * vx) / flat
         ax, ay, az = bx + v2 * lift_ahead[6], by + v2 * lift_ahead[7], bz + v2 * lift_ahead[8]
         up = (az * flat - vz * (ax * vx + ay * vy) / flat) / speed + G0_MPS2 * flat / speed
-        raw_bank = math.atan2(-left, up if up > LEAST_LIFT_MPS2 else LEAST_LIFT_MPS2)
-        bank = max(-self._bank_limit, min(self._bank_limit, raw_bank))
-        # the lift that serves the demand at the bank the aircraft has, not at the one it was told
-        raw_n = (up * math.cos(state.bank) - left * math.sin(state.bank)) / G0_MPS2
-        n_max = min(self._n_max, self._n_per_speed2 * state.airspeed * state.airspeed)
-        load_factor = max(self._n_min, min(n_max, raw_n))
-        limited = bank != raw_bank or load_factor != raw_n
+        bank, load_factor, limited = self._turn.solve(left, up, state)
 
         gain = 0.0 if limited else self._integral * self._dt
         bound = INTEGRAL_LIMIT_MPS2
-        memory = Memory(
-            s + v_along * self._dt,
-            max(-bound, min(bound, memory.ix + gain * ex)),
-            max(-bound, min(bound, memory.iy + gain * ey)),
-            max(-bound, min(bound, memory.iz + gain * ez)),
-        )
-        airspeed_cmd = self._speed if self._hold_airspeed else self._speed + state.airspeed - speed
-        command = Command(bank, load_factor, airspeed_cmd, power_ahead[5], 0.0)
-        return command, memory, Telemetry(s, bank, load_factor, 1.0 if limited else 0.0)
+        airspeed, scheduled = self._hold.solve(state, speed, memory.scheduled_s_m - s)
+        ix, iy, iz = memory.ix + gain * ex, memory.iy + gain * ey, memory.iz + gain * ez
+        ix = -bound if ix < -bound else bound if ix > bound else ix
+        iy = -bound if iy < -bound else bound if iy > bound else iy
+        iz = -bound if iz < -bound else bound if iz > bound else iz
+        memory = make(Memory, (s + v_along * self._dt, memory.scheduled_s_m + scheduled * self._dt, ix, iy, iz))
+        command = make(Command, (bank, load_factor, airspeed, power_ahead[5], 0.0))
+        return command, memory, make(Telemetry, (s, bank, load_factor, 1.0 if limited else 0.0))

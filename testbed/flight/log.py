@@ -74,7 +74,8 @@ def _states(log: FlightLog, plant: Plant | None) -> dict[str, Array]:
     if plant is None:
         return {name: np.empty(0) for name in State._fields}
     rows = np.frombuffer(log.samples).reshape(-1, len(plant.sample()))
-    return plant.state(list(rows.T))._asdict()
+    field = plant.state(list(rows.T))._asdict()
+    return {name: column if np.ndim(column) else np.full(len(rows), column) for name, column in field.items()}
 
 
 def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[dict[str, Array], float]:
@@ -84,6 +85,7 @@ def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[
         "time_s": time_s,
         "own.pos_enu_m": np.column_stack([field[name] for name in ("x", "y", "z")]),
         "own.vel_enu_mps": np.column_stack([field[name] for name in ("vx", "vy", "vz")]),
+        "air.wind_enu_mps": np.column_stack([field[name] for name in ("wx", "wy", "wz")]),
         "own.rates_body_radps": np.column_stack([field[name] for name in ("p", "q", "r")]),
         "own.quat_enu_from_body_xyzw": quat_xyzw_from_euler(field["bank"], field["pitch"], field["heading"]),
         **{column: np.array(field[name]) for name, column in STATE_COLUMNS.items()},

@@ -47,6 +47,12 @@ class ActivePath:
         x, y, z = (p + beyond * t for p, t in zip(point, tangent, strict=True))
         return (x, y, z), tangent, (0.0, 0.0, 0.0)
 
+    def rows_at(self, s1_m: float, s2_m: float, s3_m: float) -> tuple[Row, Row, Row]:
+        """The nearest samples of three arc lengths ahead of the start (one call instead of three: guidance asks 60 times a second)."""
+        table, last = self._table, self._last
+        i, j, k = int(s1_m / STEP_M + 0.5), int(s2_m / STEP_M + 0.5), int(s3_m / STEP_M + 0.5)
+        return table[i if i < last else last], table[j if j < last else last], table[k if k < last else last]
+
     def look_up(self, s_m: float) -> tuple[float, Row]:
         """Offset from the nearest sample, and that sample: point, tangent, curvature vector."""
         index = int(s_m / STEP_M + 0.5)

@@ -1,17 +1,20 @@
 """The stage of a flight: route, where it begins, and every obstacle's straight line, in the frame that is flown."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from testbed.flight.air import Wind, ground_speed_along
+from testbed.flight.air import CALM, AirModel, Wind, make_air, make_wind
+from testbed.flight.schedule import Schedule, anchored, planned_time
 from testbed.flight.traffic import Track
 from testbed.frames import Vec3, unit_from_direction, vec3
-from testbed.spec.model import FlightPlan
+from testbed.spec.model import FlightPlan, Point
 from testbed.units import DEG
 from vosc import ph
 
 Array = np.ndarray
+TIME_OUT = 3.0  # times the planned time
 
 
 @dataclass(frozen=True)
@@ -24,10 +27,11 @@ class Scene:
     tracks: tuple[Track, ...]
     goal: Vec3
     goal_tangent: Vec3
-    wind: Wind
+    air: AirModel
+    longest_s: float  # a flight that takes longer has timed out
 
 
-def make_scene(plan: FlightPlan, wind: Wind) -> Scene:
+def make_scene(plan: FlightPlan) -> Scene:
     """Route, start and traffic of a plan. Raises ``ValueError`` when the route cannot be built or has no such start."""
     start, goal = np.array(plan.route.start_enu_m), np.array(plan.route.goal_enu_m)
     ends = np.array([unit_from_direction(*plan.route.start_direction_deg), unit_from_direction(*plan.route.goal_direction_deg)])
@@ -37,18 +41,36 @@ def make_scene(plan: FlightPlan, wind: Wind) -> Scene:
     first, last = size * turn @ ends[0], size * turn @ ends[1]
     route = ph.hermite(start, first, place(goal), last)
     begin_s = _begin(plan, route)
-    timing = lambda s_m: planned_time(route, begin_s, s_m, plan, wind)  # noqa: E731
+    wind = make_wind(plan.air, plan.terrain_z_m)
+    planned = planned_time(route, begin_s, route.length_m, plan, wind)
+    longest = TIME_OUT * planned
+    tracks = _tracks(plan, route, begin_s, turn, place, wind)
+    goal_tangent = vec3(last / np.linalg.norm(last))
+    frame = lambda s_m: route.frame(s_m)[:2]  # noqa: E731
+    return Scene(route, begin_s, planned, tracks, vec3(place(goal)), goal_tangent, make_air(plan, frame, begin_s, longest), longest)
+
+
+def _tracks(
+    plan: FlightPlan, route: ph.Curve, begin_s: float, turn: Array, place: Callable[[Point], Array], wind: Wind
+) -> tuple[Track, ...]:
+    """The obstacles, in the wind as ``traffic.in_wind`` says. An anchored one is where it is printed in calm air only."""
     tracks = []
+    anchor = plan.traffic.in_wind == "anchored"
+    timing_wind = CALM.mean if anchor else wind
+    in_wind, in_calm = (Schedule(route, begin_s, plan, air) if anchor else None for air in (wind, CALM.mean))
     for spec in plan.obstacles:
         velocity = spec.speed_mps * turn @ np.array(unit_from_direction(*spec.direction_deg))
+        position = place(spec.position_enu_m)
         if spec.when.own_reaches_enu_m is None:
             when = spec.when.time_s or 0.0
         else:
-            when = timing(float(route.nearest(place(spec.when.own_reaches_enu_m)[None])[0][0]))
-        position = place(spec.position_enu_m) - when * velocity
-        tracks.append(Track(spec.name, spec.radius_m, vec3(position), vec3(velocity)))
-    goal_tangent = vec3(last / np.linalg.norm(last))
-    return Scene(route, begin_s, timing(route.length_m), tuple(tracks), vec3(place(goal)), goal_tangent, wind)
+            reached = float(route.nearest(place(spec.when.own_reaches_enu_m)[None])[0][0])
+            when = planned_time(route, begin_s, reached, plan, timing_wind)
+        if plan.traffic.in_wind == "drifts":
+            velocity = velocity + wind(when, vec3(position))
+        track = Track(spec.name, spec.radius_m, vec3(position - when * velocity), vec3(velocity))
+        tracks.append(anchored(track, in_calm, in_wind) if in_calm and in_wind else track)
+    return tuple(tracks)
 
 
 def level_rotation(first: Array, last: Array) -> Array:
@@ -82,13 +104,3 @@ def _begin(plan: FlightPlan, route: ph.Curve) -> float:
         return 0.0
     share = (climb[k - 1] - limit) / (climb[k - 1] - climb[k])
     return float(s[k - 1] + share * (s[k] - s[k - 1]))
-
-
-def planned_time(route: ph.Curve, from_s_m: float, to_s_m: float, plan: FlightPlan, wind: Wind) -> float:
-    """Seconds that the plan allows between two arc lengths, at the set speed in the wind (infinite where the wind is too strong)."""
-    air = wind(0.0, (0.0, 0.0, 0.0))
-    if plan.speed_hold == "groundspeed" or not any(air):
-        return (to_s_m - from_s_m) / plan.speed_mps
-    s = np.linspace(from_s_m, to_s_m, 401)
-    speeds = [ground_speed_along(vec3(t), plan.speed_mps, air) for t in route.sample(s)[1]]
-    return float(np.trapezoid([1.0 / v if v > 0.0 else np.inf for v in speeds], s))

@@ -9,9 +9,5 @@ from testbed.spec.model import Sensor
 
 def detect(sensor: Sensor, tracks: tuple[Track, ...], time_s: float, own_pos: Vec3) -> list[tuple[Track, Vec3]]:
     """Every obstacle whose centre is within range, with its position now."""
-    seen = []
-    for track in tracks:
-        centre = track.at(time_s)
-        if math.dist(centre, own_pos) <= sensor.range_m:
-            seen.append((track, centre))
-    return seen
+    within = sensor.range_m
+    return [(track, centre) for track in tracks if math.dist(centre := track.at(time_s), own_pos) <= within]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from testbed.flight.air import make_wind
-from testbed.flight.scene import planned_time
+from testbed.flight.schedule import arc_lengths, planned_time
 from testbed.flight.traffic import least_clearance
 from testbed.types import FlightMetrics, FlightRecord, Outcome
 from testbed.units import DEG
@@ -136,7 +136,7 @@ def project(curves: tuple[ph.Curve, ...], pos: Array) -> float:
 
 def scheduled(record: FlightRecord, active: int, from_s: float, to_s: float) -> float:
     """Seconds that the plan allows between two arc lengths of a path."""
-    wind = make_wind(record.plan.air)
+    wind = make_wind(record.plan.air, record.plan.terrain_z_m)
     total, before = 0.0, 0.0
     for curve in record.paths[active].curves:
         low, high = (min(max(s - before, 0.0), curve.length_m) for s in (from_s, to_s))
@@ -150,12 +150,14 @@ def planned_clearance(record: FlightRecord) -> float:
     if not record.plan.obstacles or not record.paths or not len(record.columns["time_s"]):
         return NAN
     time_s, hz = record.columns["time_s"], record.plan.rates.plant_hz
+    wind = make_wind(record.plan.air, record.plan.terrain_z_m)
     point = np.full((len(time_s), 3), NAN)
     for active, path in enumerate(record.paths):
         mine = np.flatnonzero(record.columns["path.index"] == active)
         if not len(mine):
             continue
-        s = project(path.curves, record.columns["own.pos_enu_m"][mine[0]]) + record.plan.speed_mps * (mine - mine[0]) / hz
+        begin_s = project(path.curves, record.columns["own.pos_enu_m"][mine[0]])
+        s = arc_lengths(path.curves, begin_s, (mine - mine[0]) / hz, record.plan, wind)
         before = 0.0
         for curve in path.curves:
             inside = (s >= before) & (s <= before + curve.length_m)

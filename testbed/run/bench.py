@@ -13,13 +13,14 @@ from testbed.flight.scene import make_scene
 from testbed.spec.model import FlightPlan
 
 FLIGHT_S = 12.0
+ROUTE_M = 557.917  # length of the paper's route
 PAIRS = 21
 
 
 def bench() -> str:
     """A table: microseconds per tick of the closed loop and of bare stepping, their ratio, and what set-up costs."""
     lines = [
-        f"{FLIGHT_S:g} s at 120 Hz, guidance at 60 Hz, one obstacle in range, against bare stepping: medians of {PAIRS} pairs",
+        f"{FLIGHT_S:g} s at 120 Hz, guidance at 60 Hz, the paper's obstacle, against bare stepping: medians of {PAIRS} pairs",
         f"{'aircraft':<10}{'loop us/tick':>14}{'bare us/tick':>14}{'ratio':>8}{'':>16}{'set-up ms':>12}{'log ms':>9}",
     ]
     for name in ("gtm_t2", "c172p"):
@@ -35,28 +36,24 @@ def bench() -> str:
 
 
 def _plan(aircraft: str) -> FlightPlan:
-    """A level route of just ``FLIGHT_S`` at 50 m/s with one obstacle that stays in range and is no threat."""
-    length = 50.0 * FLIGHT_S
-    return FlightPlan.model_validate(
-        {
-            "flight_id": "bench",
-            "campaign": "bench",
-            "cell": "bench",
-            "labels": {},
-            "replicate": 0,
-            "seed": 0,
-            "speed_mps": 50.0,
-            "route": {
-                "start_enu_m": [0, 0, 0],
-                "goal_enu_m": [length * 0.98, length * 0.1, 0],
-                "start_direction_deg": [20.0, 0.0],
-                "goal_direction_deg": [-10.0, 0.0],
-            },
-            "obstacles": [{"name": "O", "radius_m": 10, "position_enu_m": [0, -60, 0], "speed_mps": 50, "direction_deg": [5.8, 0]}],
-            "plant": {"kind": "jsbsim"},
-            "aircraft": aircraft,
-        }
-    )
+    """The paper's encounter as printed (in range, no threat), turned level, at the speed that makes the route last ``FLIGHT_S``."""
+    obstacle = {
+        "name": "O",
+        "radius_m": 25,
+        "position_enu_m": [254, 63.6, 60.7],
+        "speed_mps": 40,
+        "direction_deg": [135, 12.4],
+        "when": {"own_reaches_enu_m": [162, 101, 64.3]},
+    }
+    who = {"flight_id": "bench", "campaign": "bench", "cell": "bench", "labels": {}, "replicate": 0, "seed": 0}
+    route = {
+        "start_enu_m": [0, 0, 0],
+        "goal_enu_m": [500, 200, 100],
+        "start_direction_deg": [40.87, 26.13],
+        "goal_direction_deg": [10.0, 2.84],
+    }
+    flight = {"route": route, "geometry": "level", "speed_mps": ROUTE_M / FLIGHT_S, "obstacles": [obstacle], "aircraft": aircraft}
+    return FlightPlan.model_validate(who | flight)
 
 
 def _pair(plan: FlightPlan) -> tuple[float, float, float, float]:

@@ -8,10 +8,13 @@ import math
 from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from testbed.catalogue import aircraft_folders
+from testbed.spec.air import Air
+from testbed.spec.base import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
+from testbed.spec.check import Check
 from vosc.methods import METHODS
 
 
@@ -37,24 +40,9 @@ def _names_differ(obstacles: "tuple[ObstacleSpec, ...]") -> "tuple[ObstacleSpec,
     return obstacles
 
 
-# Strict: neither true nor "30" is a number. An int is a float, a list is a tuple.
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Whole = Annotated[int, Field(strict=True)]
-Positive = Annotated[Number, Field(gt=0)]
-NonNegative = Annotated[Number, Field(ge=0)]
-Point = tuple[Number, Number, Number]
-Elevation = Annotated[Number, Field(ge=-90, le=90)]
-Direction = tuple[Number, Elevation]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_\-]*$", max_length=60)]
 Option = Annotated[bool | float | str, BeforeValidator(_option)]
 Method = Annotated[str, AfterValidator(lambda name: _known("method", name, METHODS))]
 Aircraft = Annotated[str, AfterValidator(lambda name: _known("aircraft", name, aircraft_folders()))]
-
-
-class Section(BaseModel):
-    """A frozen block of the YAML; an unknown key is an error. The text under a key is its description in the JSON Schema."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
 class Route(Section):
@@ -139,7 +127,7 @@ class MethodSpec(Section):
 
     kind: Method = "scoam"
     """Avoidance method; `testbed list methods` shows them."""
-    options: dict[str, Option] = {}
+    options: dict[str, Option] = {}  # noqa: RUF012 (pydantic copies it)
     """The method's own options."""
 
 
@@ -156,6 +144,12 @@ class Replan(Section):
     """A threat further away in time than this is ignored, s."""
     magnitude_chords: Annotated[Positive, Field(le=3)] = 1.0
     """Length of the end tangents of each new piece of path, in its chord lengths."""
+    vo_frame: Literal["air", "ground_naive"] = "air"
+    """air: velocities less the known wind, own sphere of radius airspeed. ground_naive: velocities over the ground, as in calm air."""
+    wind_known: Literal["exact", "estimated", "none"] = "exact"
+    """What the planner knows of the mean wind where it is: all of it, with an error that is drawn once a flight, or nothing."""
+    wind_estimate_sigma_mps: NonNegative = 1.0
+    """Standard deviation of the error of an estimated wind, for each horizontal component, m/s."""
 
 
 class PlantSpec(Section):
@@ -195,39 +189,18 @@ class Rates(Section):
 class GuidanceSpec(Section):
     """The path-following law."""
 
-    kind: Literal["look_ahead"] = "look_ahead"
-    """look_ahead: error feedback with feed-forward of the curvature ahead."""
+    kind: Literal["look_ahead", "l1"] = "look_ahead"
+    """look_ahead: error feedback with feed-forward of the curvature ahead. l1: Park, Deyst and How's law, which aims at a point ahead."""
+    schedule: Literal["keep", "let_go"] = "let_go"
+    """keep: fly faster or slower (by at most 6 %) to make up for time lost or won along the path. let_go: hold the set speed."""
 
 
-class Calm(Section):
-    """Still air."""
+class Traffic(Section):
+    """How obstacles take part in the wind. In calm air all are the same."""
 
-    kind: Literal["calm"] = "calm"
-
-
-class SteadyWind(Section):
-    """The same wind everywhere and always."""
-
-    kind: Literal["steady"]
-    speed_mps: Annotated[NonNegative, Field(le=40)]
-    """Speed of the air over the ground, m/s."""
-    from_deg: Annotated[Number, Field(ge=-360, le=360)]
-    """Compass direction the wind comes FROM, deg."""
-
-
-class NoTurbulence(Section):
-    """Smooth air."""
-
-    kind: Literal["none"] = "none"
-
-
-class Air(Section):
-    """The air that every plant flies in."""
-
-    wind: Annotated[Calm | SteadyWind, Field(discriminator="kind")] = Calm()
-    """Mean wind."""
-    turbulence: NoTurbulence = NoTurbulence()
-    """Gusts on top of the wind."""
+    in_wind: Literal["ground_fixed", "drifts", "anchored"] = "ground_fixed"
+    """ground_fixed: as printed, over the ground. drifts: as printed, through the air, and carried by the mean wind of its place.
+    anchored: so that the flight without planner has the miss vector, closest-approach time and closing speed that it has in calm air."""
 
 
 class FlightSettings(Section):
@@ -247,6 +220,8 @@ class FlightSettings(Section):
     """Where on the route the flight starts."""
     obstacles: Annotated[tuple[ObstacleSpec, ...], AfterValidator(_names_differ)] = ()
     """Moving spheres."""
+    traffic: Traffic = Traffic()
+    """How obstacles take part in the wind."""
     sensor: Sensor = Sensor()
     """What the planner sees."""
     method: MethodSpec = MethodSpec()
@@ -286,7 +261,9 @@ class Campaign(FlightSettings):
     """Flights per cell of the sweep, each with its own random streams."""
     recordings: Literal["all", "none", "selected"] = "selected"
     """Which flights leave a .rrd recording."""
-    sweep: dict[str, list[object] | dict[str, Settings]] = {}
+    check: Check | None = None
+    """For a campaign that checks the testbed: how it is judged."""
+    sweep: dict[str, list[object] | dict[str, Settings]] = {}  # noqa: RUF012 (pydantic copies it)
 
 
 class FlightPlan(FlightSettings):
@@ -302,3 +279,11 @@ class FlightPlan(FlightSettings):
     """Axis of the sweep to the label of its value."""
     replicate: int
     seed: int
+
+    @field_validator("air")
+    @classmethod
+    def _the_plant_has_that_turbulence(cls, air: Air, info: ValidationInfo) -> Air:
+        plant = info.data.get("plant")
+        if air.turbulence.kind == "jsbsim" and plant is not None and plant.kind != "jsbsim":
+            raise ValueError(f"turbulence.kind: jsbsim goes with plant.kind: jsbsim, not with {plant.kind}; 'dryden' is for every plant")
+        return air

@@ -7,7 +7,8 @@ import pytest
 
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.autopilot import Autopilot, Memory
-from testbed.flight.guidance import LookAheadLaw
+from testbed.flight.guidance import LookAheadLaw, SpeedHold
+from testbed.flight.guidance_l1 import L1Law
 from testbed.flight.path import STEP_M, ActivePath
 from testbed.flight.plants.base import Command, State
 from testbed.units import DEG, G0_MPS2
@@ -21,27 +22,58 @@ def straight() -> ActivePath:
     return ActivePath((ph.hermite((0, 0, 0), (1000, 0, 0), (1000, 0, 0), (1000, 0, 0)),))
 
 
+HOLD = SpeedHold(50.0, airspeed=True, keep_schedule=False)
+LAWS = {"look_ahead": LookAheadLaw(GTM, HOLD, 1 / 60), "l1": L1Law(GTM, HOLD, 1 / 60)}
+
+
 def law() -> LookAheadLaw:
-    return LookAheadLaw(GTM, 50.0, True, 1 / 60)
+    return LookAheadLaw(GTM, HOLD, 1 / 60)
 
 
+@pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize(
-    ("change", "bank_sign", "load_factor"),
+    ("change", "bank_sign", "pull_sign"),
     [
-        ({}, 0, 1.0),
-        ({"y": 5.0}, 1, None),  # left of the path (north of an eastbound one): bank right
-        ({"y": -5.0}, -1, None),
-        ({"vy": 3.0}, 1, None),  # drifting left: bank right
-        ({"z": -4.0}, 0, 1.5),  # low: pull
-        ({"z": 4.0}, 0, 0.4),
+        ({}, 0, 0),
+        ({"y": 5.0}, 1, 0),  # left of the path (north of an eastbound one): bank right
+        ({"y": -5.0}, -1, 0),
+        ({"vy": 3.0}, 1, 0),  # drifting left: bank right
+        ({"z": -4.0}, 0, 1),  # low: pull
+        ({"z": 4.0}, 0, -1),
     ],
 )
-def test_commands_point_back_to_the_path(change: dict, bank_sign: int, load_factor: float | None) -> None:
-    command, _, _ = law().step(law().start(100.0), LEVEL._replace(x=100.0, **change), straight())
+def test_commands_point_back_to_the_path(name: str, change: dict, bank_sign: int, pull_sign: int) -> None:
+    law = LAWS[name]
+    command, _, _ = law.step(law.start(100.0), LEVEL._replace(x=100.0, **change), straight())
     assert np.sign(round(command.bank, 9)) == bank_sign
-    if load_factor is not None:
-        expected = 1.0 - (change.get("z", 0.0)) * GTM.guidance.bandwidth_rad_s**2 / G0_MPS2
-        assert command.load_factor == pytest.approx(expected, abs=1e-6)
+    assert np.sign(round(command.load_factor - 1.0, 2)) == pull_sign
+
+
+def test_a_height_error_asks_for_the_stiffness_of_the_loop() -> None:
+    command, _, _ = law().step(law().start(100.0), LEVEL._replace(x=100.0, z=-4.0), straight())
+    assert command.load_factor == pytest.approx(1.0 + 4.0 * GTM.guidance.bandwidth_rad_s**2 / G0_MPS2, abs=1e-6)
+
+
+def test_l1_is_the_published_formula_in_level_flight() -> None:
+    """A = 2 V^2 / L1 sin(eta), with L1 = sqrt(2) V / w and eta between the velocity and the line to the reference point."""
+    length = math.sqrt(2.0) * 50.0 / GTM.guidance.bandwidth_rad_s
+    off = 12.0
+    one = LAWS["l1"]
+    command, _, _ = one.step(one.start(100.0), LEVEL._replace(x=100.0, y=-off), straight())
+    assert command.bank == pytest.approx(-math.atan(2 * 2500.0 / length * (off / length) / G0_MPS2), rel=1e-9)
+
+
+@pytest.mark.parametrize(("behind", "airspeed"), [(2.0, 51.0), (-2.0, 49.0), (100.0, 53.0), (-100.0, 47.0)])
+def test_time_lost_is_made_up_for_within_bounds(behind: float, airspeed: float) -> None:
+    kept = SpeedHold(50.0, airspeed=True, keep_schedule=True).solve(LEVEL, 50.0, behind)
+    assert kept == (pytest.approx(airspeed), 50.0)
+    assert HOLD.solve(LEVEL, 50.0, behind) == (50.0, 50.0)
+
+
+def test_what_is_held_in_a_wind() -> None:
+    """Tail wind of 8 m/s: an airspeed hold flies on with its schedule at 58 m/s, a ground-speed hold asks for 42 m/s of airspeed."""
+    assert HOLD.solve(LEVEL, 58.0, 0.0) == (50.0, 58.0)
+    assert SpeedHold(50.0, airspeed=False, keep_schedule=False).solve(LEVEL, 58.0, 0.0) == (42.0, 50.0)
 
 
 def test_on_a_curve_the_bank_is_that_of_the_turn_ahead() -> None:

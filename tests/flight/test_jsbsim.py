@@ -64,6 +64,21 @@ def test_attitude_agrees_with_velocity_alpha_and_beta(calm: dict[str, FlightReco
     assert np.abs(body - expected).max() < 0.02
 
 
+@pytest.mark.parametrize("name", CASES)
+def test_a_kept_schedule_is_kept(name: str) -> None:
+    """The bound of the schedule hold in calm air: 0.05 s."""
+    metrics = measure(fly(plan(guidance={"schedule": "keep"}, **CASES[name])))
+    assert abs(metrics.schedule_error_s) <= 0.05
+    assert metrics.cross_track_max_m <= 0.8
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_second_law_flies_the_original_path(name: str) -> None:
+    metrics = measure(fly(plan(guidance={"kind": "l1"}, **CASES[name])))
+    assert metrics.outcome == "reached"
+    assert metrics.cross_track_max_m <= 1.2
+
+
 def test_same_plan_same_record(calm: dict[str, FlightRecord]) -> None:
     again = fly(plan(**GTM))
     for key, column in calm["gtm_t2"].columns.items():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from testbed.flight.air import ground_speed_along, make_wind
+from testbed.flight.air import ground_speed_along
 from testbed.flight.scene import level_rotation, make_scene
 from testbed.flight.traffic import least_clearance
 from testbed.frames import unit_from_direction, wind_enu_from_compass
@@ -13,7 +13,7 @@ from tests.plans import KINEMATIC, paper_obstacle, plan
 
 
 def scene(a_plan: FlightPlan):
-    return make_scene(a_plan, make_wind(a_plan.air))
+    return make_scene(a_plan)
 
 
 def test_the_original_path_passes_the_trigger_point() -> None:

@@ -81,5 +81,5 @@ def test_the_schema_knows_the_paths_of_a_sweep() -> None:
     axes = json.loads(schema())["properties"]["sweep"]["properties"]
     assert {"method.kind", "begin", "begin.climb_at_most_deg", "air.wind.speed_mps", "rates.plant_hz"} <= set(axes)
     assert axes["plant.kind"]["anyOf"][0]["items"]["enum"] == ["kinematic", "point_mass", "jsbsim"]
-    assert [kind["const"] for kind in axes["air.wind.kind"]["anyOf"][0]["items"]["anyOf"]] == ["calm", "steady"]
+    assert [kind["const"] for kind in axes["air.wind.kind"]["anyOf"][0]["items"]["anyOf"]] == ["calm", "steady", "power_law", "logarithmic"]
     assert not {"seed", "replicates", "name", "sweep"} & set(axes)

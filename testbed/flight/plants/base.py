@@ -5,6 +5,8 @@ from typing import Any, NamedTuple, Protocol
 
 from testbed.frames import Vec3
 
+make = tuple.__new__  # what a NamedTuple's own constructor ends in, at a quarter of its cost; for the tuples made 60 times a second
+
 
 class TrimFailedError(RuntimeError):
     """The aircraft does not fly level and straight at the set speed."""
@@ -37,6 +39,9 @@ class State(NamedTuple):
     elevator: float
     aileron: float
     rudder: float
+    wx: float = 0.0  # velocity of the air over the ground at the aircraft, gusts included (ENU m/s): airspeed = |v - w|
+    wy: float = 0.0
+    wz: float = 0.0
 
 
 class Command(NamedTuple):
@@ -56,7 +61,7 @@ class Start(NamedTuple):
     tangent: Vec3
     curvature: Vec3
     speed: float  # true airspeed, m/s
-    wind: Vec3  # velocity of the air over the ground, ENU m/s
+    wind: Vec3  # mean wind there: velocity of the air over the ground, ENU m/s
 
 
 class Plant(Protocol):
@@ -78,7 +83,8 @@ class Plant(Protocol):
     def command(self, state: State, command: Command) -> bool:
         """Take a command; true when the aircraft is at one of its stops."""
 
-    def step(self) -> None: ...
+    def step(self) -> object:
+        """One tick."""
 
 
 class Followable(Protocol):

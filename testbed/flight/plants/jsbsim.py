@@ -5,15 +5,16 @@ wrong name and reads 0 from a missing one, so every name is looked up once, refu
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jsbsim
 
-from testbed.flight.air import ground_speed_along
+from testbed.flight.air import AirModel, ground_speed_along
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, Followable, Start, State, TrimFailedError
+from testbed.flight.plants.jsbsim_air import WIND, GustFeed, switch_on
 from testbed.flight.plants.kinematic import coordinated
 from testbed.frames import Vec3, body_rates, enu_from_wind_axes, euler_from_enu_from_body
 from testbed.units import DEG, FT
@@ -78,13 +79,13 @@ class Trim(NamedTuple):
     alpha: float
 
 
-def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, height_m: float) -> Trim:
-    """Trim at a true airspeed and a height above the ground. Raises ``TrimFailedError``."""
+def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, height_m: float, climb_rad: float = 0.0) -> Trim:
+    """Trim at a true airspeed and a height above the ground, level unless told to climb. Raises ``TrimFailedError``."""
     set_ = fdm.__setitem__
     fdm["atmosphere/turb-type"] = 0
     fdm["ic/terrain-elevation-ft"] = 0.0
     fdm["ic/lat-geod-deg"], fdm["ic/long-gc-deg"], fdm["ic/h-sl-ft"] = LATITUDE_DEG, 0.0, height_m / FT
-    fdm["ic/vt-fps"], fdm["ic/gamma-deg"], fdm["ic/psi-true-deg"] = speed_mps / FT, 0.0, 0.0
+    fdm["ic/vt-fps"], fdm["ic/gamma-rad"], fdm["ic/psi-true-deg"] = speed_mps / FT, climb_rad, 0.0
     if aircraft.model.gear_up and fdm.get_property_manager().get_node("gear/gear-cmd-norm") is not None:
         fdm["gear/gear-cmd-norm"] = fdm["gear/gear-pos-norm"] = 0.0
     for i in range(fdm.get_propulsion().get_num_engines()):
@@ -95,7 +96,8 @@ def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, heig
     fdm["propulsion/set-running"] = -1
     fdm["propulsion/fuel_freeze"] = 1
     if not _trims(fdm):
-        raise TrimFailedError(f"no level trim at {speed_mps:g} m/s, {height_m:.0f} m")
+        straight = f"trim in a climb of {climb_rad / DEG:.1f} deg" if climb_rad else "level trim"
+        raise TrimFailedError(f"no {straight} at {speed_mps:g} m/s, {height_m:.0f} m")
     return Trim(fdm["fcs/throttle-cmd-norm"], fdm["aero/alpha-rad"])
 
 
@@ -149,40 +151,64 @@ def issue(fdm: jsbsim.FGFDMExec, start: Start, alpha_trim: float, alpha_extra: f
     return load_factor, fdm["accelerations/Nz"]
 
 
-def begin(fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float) -> None:
-    """Two probes give the lift slope; the third start has the angle of attack that the path's load factor needs."""
+def begin(fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float, feed: GustFeed | None = None) -> None:
+    """Two probes give the lift slope; the third start has the angle of attack that the path's load factor needs, and the gusts."""
     probe = 1.0 * DEG
     wanted, low = issue(fdm, start, trim.alpha, 0.0, height_m)
     _, high = issue(fdm, start, trim.alpha, probe, height_m)
     extra = probe * (wanted - low) / (high - low)
+    if feed is not None:
+        feed.write(0.0, start.pos)
     issue(fdm, start, trim.alpha, max(-5.0 * DEG, min(5.0 * DEG, extra)), height_m)
 
 
 class JsbsimPlant:
     """One flight in JSBSim, from a trimmed start. Raises ``TrimFailedError``."""
 
-    def __init__(self, aircraft: Aircraft, start: Start, plant_hz: int, guidance_hz: int, terrain_z_m: float) -> None:
+    def __init__(
+        self, aircraft: Aircraft, start: Start, plant_hz: int, guidance_hz: int, terrain_z_m: float, air: AirModel | None = None
+    ) -> None:
         fdm = load_model(aircraft, plant_hz)
         height = start.pos[2] - terrain_z_m
         fdm, trim = spool_up(fdm, aircraft, start, trim_level(fdm, aircraft, start.speed, height), height)
-        begin(fdm, start, trim, height)
+        self._steady = start.wind if air is None else air.steady
+        feed = GustFeed(lambda name: node(fdm, name), air, start.wind) if air is not None and air.steady is None else None
+        begin(fdm, start, trim, height, feed)
         self._fdm = fdm  # the bound methods below do not keep it alive
         self._autopilot = Autopilot(aircraft, trim.throttle, 1.0 / guidance_hz)
         self._memory = Memory()
         lag = aircraft.command_lag_s
         self._share = 1.0 - math.exp(-1.0 / (guidance_hz * lag)) if lag > 0.0 else 1.0
-        self._read = tuple(node(fdm, name).get_double_value for name in OBSERVED)
+        observed = OBSERVED if self._steady is not None else OBSERVED + WIND
+        self._read = tuple(node(fdm, name).get_double_value for name in observed)
         self._set_elevator = node(fdm, "fcs/elevator-cmd-norm").set_double_value
         self._set_aileron = node(fdm, "fcs/aileron-cmd-norm").set_double_value
         self._set_rudder = node(fdm, "fcs/rudder-cmd-norm").set_double_value
         engines = fdm.get_propulsion().get_num_engines()
         self._set_throttles = tuple(node(fdm, f"fcs/throttle-cmd-norm[{i}]").set_double_value for i in range(engines))
         self.step_bare = fdm.run  # JSBSim's own call, for the benchmark
+        self.step: Callable[[], object] = fdm.run
         # throttle, elevator, aileron, rudder; the surfaces beside the pitch trim, which JSBSim keeps in its own property
         self._out = (fdm["fcs/throttle-cmd-norm"], 0.0, 0.0, 0.0)
         self._origin = (*(read() for read in self._read[:3]), *start.pos)
         latitude = fdm["position/lat-geod-rad"]
         self._sin, self._cos = math.sin(latitude), math.cos(latitude)
+        if feed is not None:
+            self.step = self._stepper(feed, plant_hz)
+        if air is not None and air.built_in is not None:
+            switch_on(lambda name: node(fdm, name), air.built_in)
+
+    def _stepper(self, feed: GustFeed, plant_hz: int) -> Callable[[], object]:
+        """A step in air that changes: it feels the air of its end, at the place of one step ago."""
+        (read_x, read_y, read_z), run, tick = self._read[:3], self.step_bare, 0
+
+        def step() -> None:
+            nonlocal tick
+            tick += 1
+            feed.write(tick / plant_hz, self._place(read_x(), read_y(), read_z()))
+            run()
+
+        return step
 
     def follow(self, path: Followable, s_m: float) -> None:
         """Guidance knows the path; the aeroplane does not."""
@@ -193,13 +219,19 @@ class JsbsimPlant:
         return row
 
     def state(self, sample: Sequence[Any]) -> State:
-        ex, ey, ez, ve, vn, vd, bank, pitch, heading, load_factor, airspeed, alpha, beta, p, q, r, *controls = sample
+        ex, ey, ez, ve, vn, vd, bank, pitch, heading, load_factor, airspeed, alpha, beta, p, q, r, *rest = sample
+        motion = (FT * ve, FT * vn, -FT * vd, bank, pitch, heading, load_factor, FT * airspeed, alpha, beta, p, q, r)
+        if self._steady is not None:
+            return State._make((*self._place(ex, ey, ez), *motion, *rest, *self._steady))
+        east, north, down, *controls = rest
+        return State._make((*self._place(ex, ey, ez), *motion, *controls, FT * east, FT * north, -FT * down))
+
+    def _place(self, ex: Any, ey: Any, ez: Any) -> tuple[Any, Any, Any]:
+        """ENU metres of ECEF feet. ECEF at longitude 0: east is +y, north and up lie in the x-z plane."""
         ox, oy, oz, x0, y0, z0 = self._origin
-        dx, dz = FT * (ex - ox), FT * (ez - oz)  # ECEF at longitude 0: east is +y, north and up lie in the x-z plane
+        dx, dz = FT * (ex - ox), FT * (ez - oz)
         sin, cos = self._sin, self._cos
-        x, y, z = x0 + FT * (ey - oy), y0 + cos * dz - sin * dx, z0 + cos * dx + sin * dz
-        motion = (x, y, z, FT * ve, FT * vn, -FT * vd, bank, pitch, heading, load_factor, FT * airspeed, alpha, beta, p, q, r)
-        return State._make((*motion, *controls))
+        return x0 + FT * (ey - oy), y0 + cos * dz - sin * dx, z0 + cos * dx + sin * dz
 
     def command(self, state: State, command: Command) -> bool:
         surfaces, self._memory = self._autopilot.step(self._memory, state, command)
@@ -215,6 +247,3 @@ class JsbsimPlant:
         for set_throttle in self._set_throttles:
             set_throttle(surfaces.throttle)
         return surfaces.saturated
-
-    def step(self) -> None:
-        self.step_bare()

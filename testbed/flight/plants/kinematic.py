@@ -1,29 +1,31 @@
 """The paper's aircraft: a point that moves along the planned curve at constant speed.
 
 Bank and load factor are what a coordinated turn along the curve would need, so that the page can set them beside what the
-aeroplane did. Nothing limits them.
+aeroplane did. Nothing limits them. The mean wind sets its speed over the ground where airspeed is held; gusts and turbulence do not
+move a point on rails: they show in its airspeed only.
 """
 
 import math
 from collections.abc import Sequence
 from typing import Any
 
-from testbed.flight.air import Wind, ground_speed_along
+from testbed.flight.air import AirModel, ground_speed_along
 from testbed.flight.plants.base import Command, Followable, Start, State
 from testbed.frames import Vec3
 from testbed.units import G0_MPS2
 
-NAN = math.nan
+NOT_THERE = (math.nan,) * 9  # alpha, beta, rates, controls
 
 
 class KinematicPlant:
     """A point on rails. Time is an integer tick since the path changed, so that no sum of steps drifts."""
 
-    def __init__(self, start: Start, wind: Wind, plant_hz: int, hold_airspeed: bool) -> None:
-        self._wind = wind
+    def __init__(self, start: Start, air: AirModel, plant_hz: int, hold_airspeed: bool) -> None:
+        self._air, self._steady, self._uniform = air, air.steady, air.uniform
+        # without a mean wind, or when the ground speed is held, the place is a product and not a sum
+        self._even = not hold_airspeed or air.uniform == (0.0, 0.0, 0.0)
         self._hz = plant_hz
         self._speed = start.speed
-        self._hold_airspeed = hold_airspeed
         self._tick = 0
         self._ticks_on_path = 0
         self._from_s = 0.0
@@ -37,37 +39,40 @@ class KinematicPlant:
         return False
 
     def step(self) -> None:
-        air = self._wind(self._tick / self._hz, (0.0, 0.0, 0.0))
         self._tick += 1
-        if self._hold_airspeed and any(air):  # the ground speed changes along the curve: here a sum cannot be avoided
-            self._from_s += self._ground_speed(self._from_s, air) / self._hz
-        else:
+        if self._even:
             self._ticks_on_path += 1
+        else:  # the ground speed changes along the curve: the midpoint rule
+            half = self._from_s + 0.5 * self._ground_speed(self._from_s) / self._hz
+            self._from_s += self._ground_speed(half) / self._hz
 
     def state(self, sample: Sequence[Any]) -> State:
         return State._make(sample)
 
     def sample(self) -> Sequence[float]:
         assert self._path is not None, "follow() comes first"
-        air = self._wind(self._tick / self._hz, (0.0, 0.0, 0.0))
         s = min(self._s(), self._path.length_m)
         (x, y, z), (tx, ty, tz), curvature = self._path.frame(s)
-        v = self._ground_speed(s, air)
+        v = self._ground_speed(s)
+        air = self._steady if self._steady is not None else self._air.at(self._tick / self._hz, (x, y, z))
         velocity = (v * tx, v * ty, v * tz)
         bank, load_factor = coordinated(velocity, (v * v * curvature[0], v * v * curvature[1], v * v * curvature[2]))
         airspeed = math.dist(velocity, air)
         heading = math.atan2(velocity[0] - air[0], velocity[1] - air[1]) % math.tau
         pitch = math.asin(tz)
-        return State(x, y, z, *velocity, bank, pitch, heading, load_factor, airspeed, *[NAN] * 9)
+        return State(x, y, z, *velocity, bank, pitch, heading, load_factor, airspeed, *NOT_THERE, *air)
 
     def _s(self) -> float:
         return self._from_s + self._speed * self._ticks_on_path / self._hz
 
-    def _ground_speed(self, s_m: float, air: Vec3) -> float:
-        if not self._hold_airspeed or not any(air):
+    def _ground_speed(self, s_m: float) -> float:
+        """Of the set airspeed in the mean wind at an arc length."""
+        if self._even:
             return self._speed
         assert self._path is not None
-        return ground_speed_along(self._path.frame(s_m)[1], self._speed, air)
+        point, tangent, _ = self._path.frame(s_m)
+        mean = self._uniform if self._uniform is not None else self._air.mean(self._tick / self._hz, point)
+        return ground_speed_along(tangent, self._speed, mean)
 
 
 def coordinated(velocity: Vec3, acceleration: Vec3) -> tuple[float, float]:

@@ -93,7 +93,7 @@ class PointMassPlant:
         flat = v * math.cos(climb)
         velocity = (flat * math.sin(track) + wx, flat * math.cos(track) + wy, v * math.sin(climb) + wz)
         angles = (self._bank, climb, track % math.tau)
-        return (*self._pos, *velocity, *angles, self._load_factor, v, NAN, NAN, self._roll_rate, NAN, NAN, NAN, NAN, NAN, NAN)
+        return (*self._pos, *velocity, *angles, self._load_factor, v, NAN, NAN, self._roll_rate, NAN, NAN, NAN, NAN, NAN, NAN, wx, wy, wz)
 
     def state(self, sample: Sequence[Any]) -> State:
         return State._make(sample)
