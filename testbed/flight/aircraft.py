@@ -99,7 +99,9 @@ def idealised(aircraft: Aircraft, ideal: tuple[str, ...]) -> Aircraft:
 
     Guidance then neither clips what the limit clipped nor looks ahead for a lag that is gone.
     """
-    limits, gains, point = {}, {}, {}
+    limits: dict[str, float] = {}
+    gains: dict[str, float] = {}
+    point: dict[str, float] = {}
     if "roll" in ideal:
         limits |= {"bank_deg": 179.0, "roll_rate_dps": 1e6}
         gains |= {"bank_lead_s": 0.0}

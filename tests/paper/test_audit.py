@@ -313,6 +313,7 @@ def test_write_audit_writes_both_files_and_the_same_again(tmp_path, text):
     paths = write_audit(tmp_path / "new" / "folder")
     assert [path.name for path in paths] == ["audit.csv", "audit.html"]
     assert paths[0].read_bytes() == text.encode()
+    assert paths[1].read_bytes() == (COMMITTED.parent / "audit.html").read_bytes()
 
 
 def test_figures_are_far_from_ties_and_never_minus_zero(rows, text):
