@@ -67,8 +67,19 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def _options(
     _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+    aircraft_path: Annotated[
+        list[Path] | None, typer.Option(metavar="DIR", help="Look for aircraft here too: folders with an aircraft.yaml in them.")
+    ] = None,
 ) -> None:
-    pass
+    if aircraft_path:
+        from testbed.catalogue import add_aircraft_path
+
+        with _bad_input():
+            for root in aircraft_path:
+                try:
+                    add_aircraft_path(root)
+                except FileNotFoundError as problem:
+                    _fail(str(problem))
 
 
 @app.command()

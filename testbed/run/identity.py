@@ -12,7 +12,7 @@ from typing import Any
 
 import testbed
 import vosc
-from testbed.catalogue import AIRCRAFT_ROOT, aircraft_folders
+from testbed.catalogue import AIRCRAFT_ROOT, aircraft_folders, aircraft_roots
 
 DISTRIBUTION = "vosc-testbed"
 
@@ -27,7 +27,7 @@ def versions() -> dict[str, str]:
 def code_hash() -> str:
     """Of every file of the packages and of the aircraft, committed or not: a changed tree is another code."""
     digest = hashlib.sha256()
-    for folder in (Path(testbed.__file__).parent, Path(vosc.__file__).parent, AIRCRAFT_ROOT):
+    for folder in (Path(testbed.__file__).parent, Path(vosc.__file__).parent, *aircraft_roots()):
         for file in _sources(folder):
             content = file.read_bytes()
             digest.update(f"{folder.name}/{file.relative_to(folder).as_posix()} {len(content)}\n".encode() + content)
