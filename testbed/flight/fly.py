@@ -81,7 +81,10 @@ def _loop(plan: FlightPlan, scene: Scene, path: ActivePath, plant: Plant, law: L
 def start_of(plan: FlightPlan, scene: Scene) -> Start:
     """The state on the route at which the flight begins."""
     point, tangent, curvature = scene.route.frame(scene.begin_s_m)
-    return Start(point, tangent, curvature, plan.speed_mps, scene.air.mean(0.0, point))
+    wind = scene.air.mean(0.0, point)
+    held = plan.speed_mps
+    airspeed = held if plan.speed_hold == "airspeed" else math.dist([held * t for t in tangent], wind)
+    return Start(point, tangent, curvature, airspeed, wind)
 
 
 class _Ending:

@@ -66,11 +66,12 @@ def _properties(value: Json, document: Json) -> Json:
     """Properties of a section, or of all sections of a union together."""
     if "$ref" in value:
         return document["$defs"][value["$ref"].rpartition("/")[2]].get("properties", {})
-    merged: Json = {}
+    merged: dict[str, list[Json]] = {}
     for option in value.get("oneOf", []):
         for name, part in _properties(option, document).items():
-            merged[name] = {"anyOf": [merged[name], part]} if name in merged else part
-    return merged
+            if part not in merged.setdefault(name, []):
+                merged[name].append(part)
+    return {name: parts[0] if len(parts) == 1 else {"anyOf": parts} for name, parts in merged.items()}
 
 
 def _draft7(node: Any, is_names: bool = False) -> Any:

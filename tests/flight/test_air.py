@@ -121,7 +121,7 @@ def test_the_filter_is_exact_whatever_the_step(step: float) -> None:
 
 
 def test_the_small_noise_of_a_small_step() -> None:
-    """det of the noise's covariance is step^4/12 to leading order: two stages driven by one noise."""
+    """The determinant of the noise's covariance is step^4/12 to leading order: two stages driven by one noise."""
     _, root = transition(1e-5)
     assert np.linalg.det(root) ** 2 == pytest.approx(1e-20 / 12, rel=1e-3)
 

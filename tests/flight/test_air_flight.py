@@ -88,6 +88,16 @@ def test_starts_undisturbed_in_shear(name: str) -> None:
     assert measure(record).cross_track_max_m < 1.2
 
 
+@pytest.mark.parametrize("name", PLANTS)
+def test_a_held_ground_speed_is_there_from_the_start(name: str) -> None:
+    """8 m/s from ahead of the route's start (49 deg): 50 m/s over the ground, more through the air."""
+    air = {"wind": {"kind": "steady", "speed_mps": 8, "from_deg": 49}}
+    record = fly(plan(air=air, speed_hold="groundspeed", **PLANTS[name]))
+    assert np.linalg.norm(record.columns["own.vel_enu_mps"][0]) == pytest.approx(50.0, abs=1e-6)
+    assert record.columns["own.airspeed_mps"][0] > 55.0
+    assert measure(record).outcome == "reached"
+
+
 @pytest.mark.parametrize("name", ["gtm_t2", "c172p"])
 def test_a_step_gust_jumps_the_load_factor_by_lift_slope_times_gust_angle(name: str) -> None:
     """First step after an updraught w at speed V: dn = (dn/dalpha) w/V, with the slope from the same aircraft put at another alpha."""
@@ -143,7 +153,7 @@ def test_jsbsim_s_own_turbulence_blows_at_every_height(height_m: float, severity
 
 
 def test_jsbsim_s_own_turbulence_is_refused_elsewhere() -> None:
-    with pytest.raises(ValidationError, match="turbulence.kind: jsbsim goes with plant.kind: jsbsim, not with kinematic"):
+    with pytest.raises(ValidationError, match=r"turbulence\.kind: jsbsim goes with plant\.kind: jsbsim, not with kinematic"):
         plan(air={"turbulence": {"kind": "jsbsim", "severity": "light"}}, **KINEMATIC)
 
 

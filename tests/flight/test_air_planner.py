@@ -83,7 +83,9 @@ def test_the_insertion_point_is_met_in_its_time_at_the_own_airspeed() -> None:
 
 
 def test_a_planner_that_knows_no_wind_is_the_naive_one() -> None:
-    naive, blind = (decide(straight(replan=settings, **DRIFTS), shift=W) for settings in ({"vo_frame": "ground_naive"}, {"wind_known": "none"}))
+    naive, blind = (
+        decide(straight(replan=settings, **DRIFTS), shift=W) for settings in ({"vo_frame": "ground_naive"}, {"wind_known": "none"})
+    )
     assert naive == blind
     assert naive.wind_known_enu_mps == (0.0, 0.0, 0.0)
 
@@ -144,7 +146,8 @@ def test_an_anchored_encounter_is_the_calm_one(from_deg: float) -> None:
 
 def test_in_calm_air_the_designs_are_the_same() -> None:
     fixed, drifting, anchored = (
-        make_scene(plan(obstacles=[paper_obstacle()], traffic={"in_wind": kind})).tracks[0] for kind in ("ground_fixed", "drifts", "anchored")
+        make_scene(plan(obstacles=[paper_obstacle()], traffic={"in_wind": kind})).tracks[0]
+        for kind in ("ground_fixed", "drifts", "anchored")
     )
     assert drifting == fixed
     assert np.allclose([*anchored.pos, *anchored.vel], [*fixed.pos, *fixed.vel], atol=1e-9)

@@ -16,10 +16,13 @@ def plans_of(name: str) -> dict[str, FlightPlan]:
     return {plan.cell: plan for plan in plans}
 
 
-@pytest.mark.parametrize("file", sorted(CAMPAIGNS.glob("*.yaml")), ids=lambda file: file.stem)
+@pytest.mark.parametrize("file", sorted(CAMPAIGNS.rglob("*.yaml")), ids=lambda file: file.stem)
 def test_every_campaign_loads_and_an_editor_knows_its_schema(file: Path) -> None:
-    assert expand(load_campaign(file))
-    assert file.read_text().startswith("# yaml-language-server: $schema=campaign.schema.json\n")
+    campaign = load_campaign(file)
+    assert expand(campaign)
+    up = "../" * (len(file.relative_to(CAMPAIGNS).parts) - 1)
+    assert file.read_text().startswith(f"# yaml-language-server: $schema={up}campaign.schema.json\n")
+    assert (campaign.check is not None) == (file.parent.name == "check")
 
 
 def test_paper_single_is_readings_by_methods_by_aircraft_in_this_order() -> None:

@@ -65,7 +65,12 @@ ONE_FAULT = [
         "19:15: plant.kind: must be one of 'kinematic', 'point_mass', 'jsbsim', not 'kinmatic'",
         "did you mean 'kinematic'?",
     ),
-    ("kind: steady", "kind: stedy", "20:20: air.wind.kind: must be one of 'calm', 'steady', 'power_law', 'logarithmic', not 'stedy'", "did you mean 'steady'?"),
+    (
+        "kind: steady",
+        "kind: stedy",
+        "20:20: air.wind.kind: must be one of 'calm', 'steady', 'power_law', 'logarithmic', not 'stedy'",
+        "did you mean 'steady'?",
+    ),
     ("speed_mps: 5,", "speed_mps: 55,", "20:39: air.wind.speed_mps: must be at most 40 m/s, not 55 m/s", ""),
     ("speed_mps: 5,", "speed: 5,", "20:28: air.wind.speed: unknown key 'speed'", "did you mean 'speed_mps'?"),
     ("air:", "rates: {guidance_hz: 50}\nair:", "20:1: rates: guidance_hz must divide plant_hz = 120", ""),

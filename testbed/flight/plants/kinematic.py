@@ -25,7 +25,7 @@ class KinematicPlant:
         # without a mean wind, or when the ground speed is held, the place is a product and not a sum
         self._even = not hold_airspeed or air.uniform == (0.0, 0.0, 0.0)
         self._hz = plant_hz
-        self._speed = start.speed
+        self._speed = start.speed if hold_airspeed else ground_speed_along(start.tangent, start.speed, start.wind)
         self._tick = 0
         self._ticks_on_path = 0
         self._from_s = 0.0

@@ -7,7 +7,8 @@ It stands between the paper's point on rails and six degrees of freedom. What it
 
 with V, gamma, chi of the velocity through the air (chi clockwise from north). D/W = zero (V/Vr)^2 + lift n^2 (Vr/V)^2.
 Bank, load factor and thrust follow their commands as first-order lags, solved exactly over a tick (so that a lag of 1e-4 s is
-no stiffness), the bank no faster than the roll rate limit. The rest is integrated by the midpoint rule.
+no stiffness), the bank no faster than the roll rate limit. The rest is integrated by the midpoint rule. When the air changes, the
+velocity over the ground stays and V, gamma, chi change; a gust does not load the point, whose load factor is the lagged command.
 """
 
 import math
@@ -18,6 +19,7 @@ from testbed.flight.air import Wind, ground_speed_along
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.base import Command, Followable, Start, State
 from testbed.flight.plants.kinematic import coordinated
+from testbed.frames import Vec3
 from testbed.units import DEG, G0_MPS2
 
 NAN = math.nan
@@ -43,6 +45,7 @@ class PointMassPlant:
         turn = tuple(ground * ground * k for k in start.curvature)
         bank, load_factor = coordinated((velocity[0], velocity[1], velocity[2]), (turn[0], turn[1], turn[2]))
         self._pos = start.pos
+        self._air = start.wind  # velocity of the air over the ground where the point is
         self._speed = math.hypot(*air)
         self._climb, self._track = math.asin(air[2] / self._speed), math.atan2(air[0], air[1])
         self._bank, self._load_factor = bank, load_factor
@@ -51,6 +54,7 @@ class PointMassPlant:
         self._wanted = self._thrust  # thrust over weight that is asked for
         self._command = Command(bank, load_factor, start.speed, math.sin(self._climb), 0.0)
         self._roll_rate = 0.0
+        self._meet(wind(0.0, start.pos))
 
     def follow(self, path: Followable, s_m: float) -> None:
         """The point flies; it is not on rails."""
@@ -80,16 +84,28 @@ class PointMassPlant:
         vm, cm, tm = v + half * dv, climb + half * dclimb, track + half * dtrack
         dv, dclimb, dtrack = self._rates(vm, cm, bank, n)
         flat = vm * math.cos(cm)
-        time_s, (x, y, z) = self._tick * dt, self._pos
-        wx, wy, wz = self._wind(time_s + half, self._pos)
+        (x, y, z), (wx, wy, wz) = self._pos, self._air
         self._pos = (x + dt * (flat * math.sin(tm) + wx), y + dt * (flat * math.cos(tm) + wy), z + dt * (vm * math.sin(cm) + wz))
         self._speed, self._climb, self._track = max(SLOWEST_MPS, v + dt * dv), climb + dt * dclimb, track + dt * dtrack
         self._bank, self._load_factor = self._bank + roll, self._load_factor + lift
         self._tick += 1
+        self._meet(self._wind(self._tick * dt, self._pos))
+
+    def _meet(self, air: Vec3) -> None:
+        """The air at the new time and place. A change of it changes the velocity through the air, not the one over the ground."""
+        if air == self._air:
+            return
+        flat = self._speed * math.cos(self._climb)
+        (wx, wy, wz), (ux, uy, uz) = self._air, air
+        vx, vy = flat * math.sin(self._track) + wx - ux, flat * math.cos(self._track) + wy - uy
+        vz = self._speed * math.sin(self._climb) + wz - uz
+        self._air = air
+        self._speed = max(SLOWEST_MPS, math.sqrt(vx * vx + vy * vy + vz * vz))
+        self._climb, self._track = math.atan2(vz, math.hypot(vx, vy)), math.atan2(vx, vy)
 
     def sample(self) -> Sequence[float]:
         v, climb, track = self._speed, self._climb, self._track
-        wx, wy, wz = self._wind(self._tick * self._dt, self._pos)
+        wx, wy, wz = self._air
         flat = v * math.cos(climb)
         velocity = (flat * math.sin(track) + wx, flat * math.cos(track) + wy, v * math.sin(climb) + wz)
         angles = (self._bank, climb, track % math.tau)
