@@ -5,6 +5,7 @@ from enum import Enum
 
 import numpy as np
 
+from testbed.chain import Chain
 from testbed.frames import Vec3
 from testbed.spec.model import FlightPlan
 from vosc import ph
@@ -30,11 +31,15 @@ class PlannedPath:
     """A path that guidance was told to follow, from ``from_time_s`` on: PH pieces joined end to end."""
 
     from_time_s: float
-    curves: tuple[ph.Curve, ...]
+    chain: Chain
+
+    @property
+    def curves(self) -> tuple[ph.Curve, ...]:
+        return self.chain.curves
 
     @property
     def length_m(self) -> float:
-        return sum(curve.length_m for curve in self.curves)
+        return self.chain.length_m
 
 
 @dataclass(frozen=True)

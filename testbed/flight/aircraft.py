@@ -21,8 +21,10 @@ class Model(Section):
 
 
 class Limits(Section):
-    """What guidance may ask for."""
+    """The envelope: what guidance may ask for, and between which airspeeds the figures here hold."""
 
+    speed_min_mps: Positive  # 1.2 times the stall
+    speed_max_mps: Positive  # fastest level trim, or 1.6 times the reference airspeed
     bank_deg: Positive
     load_factor_min: Number
     load_factor_max: Positive
@@ -50,6 +52,7 @@ class AutopilotGains(Section):
     aileron_per_roll_rate_s: Positive
     aileron_feed_forward_s: NonNegative  # steady aileron per roll rate
     elevator_per_load_factor: NonNegative  # feed-forward: steady elevator per g
+    load_factor_lag_s: NonNegative = 0.0  # of the answer without the integral, which only sees what is left beside it
     elevator_p: NonNegative
     elevator_i_1ps: NonNegative
     elevator_per_pitch_rate_s: NonNegative

@@ -21,6 +21,7 @@ from testbed.spec.model import FlightPlan
 from testbed.types import FlightRecord, Outcome
 
 GOAL_GATE_M = 20.0  # reached = crossing the goal's plane within this distance
+NEAR_GOAL_M = 200.0  # the goal's plane counts only on the last of the path
 HIGHEST_M = 1e5  # a state above this has diverged
 
 
@@ -31,7 +32,7 @@ def fly(plan: FlightPlan) -> FlightRecord:
         scene = make_scene(plan)
     except ValueError as error:
         return finish(FlightLog(plan, math.nan), None, Outcome.NO_PATH, f"no route: {error}", {})
-    path = ActivePath((scene.route,))
+    path = ActivePath(scene.route.curves)
     log = FlightLog(plan, scene.begin_s_m)
     log.change_path(0.0, path)
     aircraft = idealised(load_aircraft(plan.aircraft), plan.plant.ideal)
@@ -59,7 +60,7 @@ def _loop(plan: FlightPlan, scene: Scene, path: ActivePath, plant: Plant, law: L
     tick = 0
     while True:
         state = plant.state(sample)
-        if ended.check(tick, state):
+        if ended.check(tick, state, path.length_m - memory.s_m):
             return ended.outcome, ended.message
         if tick % planner_every == 0:
             handled, new_path, event = planner.step(handled, tick / hz, state)
@@ -97,7 +98,8 @@ class _Ending:
         self._goal, (self._tx, self._ty, self._tz) = scene.goal, scene.goal_tangent
         self.outcome, self.message = Outcome.TIMED_OUT, f"not at the goal after {limit:.1f} s, three times the planned time"
 
-    def check(self, tick: int, state: State) -> bool:
+    def check(self, tick: int, state: State, remaining_m: float) -> bool:
+        """``remaining_m`` along the path keeps a closed course from ending where it starts."""
         x, y, z = state.x, state.y, state.z
         if not self._ground < z < HIGHEST_M or state.airspeed != state.airspeed:
             if z <= self._ground:
@@ -105,6 +107,8 @@ class _Ending:
             else:
                 self.outcome, self.message = Outcome.DIVERGED, "a state became non-finite or left the model's range"
             return True
+        if remaining_m > NEAR_GOAL_M:
+            return tick >= self._last_tick
         gx, gy, gz = self._goal
         along = (x - gx) * self._tx + (y - gy) * self._ty + (z - gz) * self._tz
         if -1e-9 <= along <= GOAL_GATE_M and math.dist((x, y, z), self._goal) <= GOAL_GATE_M:

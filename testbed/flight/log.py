@@ -5,6 +5,7 @@ from time import perf_counter
 
 import numpy as np
 
+from testbed.chain import Chain
 from testbed.flight.guidance import Telemetry
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import Plant, State
@@ -13,7 +14,6 @@ from testbed.flight.traffic import least_clearance
 from testbed.frames import quat_xyzw_from_euler
 from testbed.spec.model import FlightPlan
 from testbed.types import FlightRecord, Outcome, PlannedPath, ReplanEvent
-from vosc import ph
 
 Array = np.ndarray
 STATE_COLUMNS = {  # State field -> column
@@ -63,7 +63,7 @@ def finish(
         outcome, message = Outcome.NO_PATH, f"the planner had no path at {refused[0].time_s:.2f} s: {refused[0].decision}"
     for column in columns.values():
         column.flags.writeable = False
-    paths = tuple(PlannedPath(t, path.curves) for t, path in log.paths)
+    paths = tuple(PlannedPath(t, Chain(path.curves)) for t, path in log.paths)
     return FlightRecord(
         log.plan, outcome, columns, tuple(log.events), paths, message, tuple({**timings, "log_s": perf_counter() - began}.items())
     )
@@ -123,19 +123,6 @@ def _path_columns(log: FlightLog, pos: Array, time_s: Array, s_m: Array) -> dict
     for k, (_, path) in enumerate(log.paths):
         mine = index == k
         if mine.any():
-            cross_track[mine] = distance_from(path.curves, pos[mine])
+            cross_track[mine] = path.nearest(pos[mine], s_m[mine])[1]
             leg[mine] = np.searchsorted(path.starts_m, s_m[mine], side="right") - 1
     return {"path.index": index, "path.leg": np.maximum(leg, 0.0), "path.cross_track_m": cross_track}
-
-
-def distance_from(curves: tuple[ph.Curve, ...], pos: Array) -> Array:
-    """Exact 3-D distance (m,) of points (m,3) from a chain of curves, which goes on straight past its end; NaN for points that are."""
-    if not (good := np.isfinite(pos).all(axis=1)).all():
-        distance = np.full(len(pos), np.nan)
-        distance[good] = distance_from(curves, pos[good]) if good.any() else np.nan
-        return distance
-    nearest = np.min([curve.nearest(pos)[1] for curve in curves], axis=0)
-    point, tangent, _ = curves[-1].frame(curves[-1].length_m)
-    beyond = (pos - point) @ np.asarray(tangent)
-    aside = np.linalg.norm(pos - point - np.outer(beyond, tangent), axis=1)
-    return np.where(beyond > 0.0, np.minimum(nearest, aside), nearest)

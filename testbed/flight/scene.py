@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from testbed.chain import Chain
 from testbed.flight.air import CALM, AirModel, Wind, make_air, make_wind
+from testbed.flight.courses import route_pieces
 from testbed.flight.schedule import Schedule, anchored, planned_time
 from testbed.flight.traffic import Track
 from testbed.frames import Vec3, unit_from_direction, vec3
@@ -21,7 +23,7 @@ TIME_OUT = 3.0  # times the planned time
 class Scene:
     """What the plan describes, in numbers: ``begin_s_m`` is the arc length of the route at which the flight starts."""
 
-    route: ph.Curve
+    route: Chain
     begin_s_m: float
     planned_time_s: float  # from the start to the goal
     tracks: tuple[Track, ...]
@@ -33,26 +35,22 @@ class Scene:
 
 def make_scene(plan: FlightPlan) -> Scene:
     """Route, start and traffic of a plan. Raises ``ValueError`` when the route cannot be built or has no such start."""
-    start, goal = np.array(plan.route.start_enu_m), np.array(plan.route.goal_enu_m)
-    ends = np.array([unit_from_direction(*plan.route.start_direction_deg), unit_from_direction(*plan.route.goal_direction_deg)])
-    turn = level_rotation(ends[0], ends[1]) if plan.geometry == "level" else np.eye(3)
+    pieces = route_pieces(plan)
+    start, first, last = pieces[0][0], pieces[0][1], pieces[-1][3]
+    turn = level_rotation(first, last) if plan.geometry == "level" else np.eye(3)
     place = lambda point: start + turn @ (np.asarray(point) - start)  # noqa: E731
-    size = plan.route.magnitude_chords * float(np.linalg.norm(goal - start))
-    first, last = size * turn @ ends[0], size * turn @ ends[1]
-    route = ph.hermite(start, first, place(goal), last)
+    route = Chain([ph.hermite(place(p0), turn @ d0, place(p1), turn @ d1) for p0, d0, p1, d1 in pieces])
+    goal, goal_tangent, _ = route.frame(route.length_m)
     begin_s = _begin(plan, route)
     wind = make_wind(plan.air, plan.terrain_z_m)
     planned = planned_time(route, begin_s, route.length_m, plan, wind)
     longest = TIME_OUT * planned
     tracks = _tracks(plan, route, begin_s, turn, place, wind)
-    goal_tangent = vec3(last / np.linalg.norm(last))
     frame = lambda s_m: route.frame(s_m)[:2]  # noqa: E731
-    return Scene(route, begin_s, planned, tracks, vec3(place(goal)), goal_tangent, make_air(plan, frame, begin_s, longest), longest)
+    return Scene(route, begin_s, planned, tracks, goal, goal_tangent, make_air(plan, frame, begin_s, longest), longest)
 
 
-def _tracks(
-    plan: FlightPlan, route: ph.Curve, begin_s: float, turn: Array, place: Callable[[Point], Array], wind: Wind
-) -> tuple[Track, ...]:
+def _tracks(plan: FlightPlan, route: Chain, begin_s: float, turn: Array, place: Callable[[Point], Array], wind: Wind) -> tuple[Track, ...]:
     """The obstacles, in the wind as ``traffic.in_wind`` says. An anchored one is where it is printed in calm air only."""
     tracks = []
     anchor = plan.traffic.in_wind == "anchored"
@@ -78,6 +76,7 @@ def level_rotation(first: Array, last: Array) -> Array:
 
     For parallel directions the plane is the one that holds them and the horizontal across them.
     """
+    first, last = (v / np.linalg.norm(v) for v in (first, last))
     normal = np.cross(first, last)
     if np.linalg.norm(normal) < 1e-9:
         across = np.array([-first[1], first[0], 0.0])
@@ -88,7 +87,7 @@ def level_rotation(first: Array, last: Array) -> Array:
     return np.eye(3) + skew + skew @ skew / (1.0 + cos)
 
 
-def _begin(plan: FlightPlan, route: ph.Curve) -> float:
+def _begin(plan: FlightPlan, route: Chain) -> float:
     if plan.begin.at_route_s_m is not None:
         if plan.begin.at_route_s_m >= route.length_m:
             raise ValueError(f"begin.at_route_s_m {plan.begin.at_route_s_m:g} is past the end of the route ({route.length_m:.1f} m)")

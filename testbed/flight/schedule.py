@@ -3,22 +3,20 @@
 Times of the plan come from it, and so do the obstacles of the *anchored* design, which keep the encounter of calm air in a wind.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
+from testbed.chain import Chain
 from testbed.flight.air import CALM, Wind, ground_speed_along
 from testbed.flight.traffic import Track
 from testbed.frames import vec3
 from testbed.spec.model import FlightPlan
-from vosc import ph
 
 Array = np.ndarray
 INTERVALS = 400  # of an integral over the route
 FINE = 4000  # of the table that gives the place at a time
 
 
-def planned_time(route: ph.Curve, from_s_m: float, to_s_m: float, plan: FlightPlan, wind: Wind) -> float:
+def planned_time(route: Chain, from_s_m: float, to_s_m: float, plan: FlightPlan, wind: Wind) -> float:
     """Seconds that the plan allows between two arc lengths, at the set speed in the wind (infinite where the wind is too strong)."""
     if keeps_speed(plan, wind):
         return (to_s_m - from_s_m) / plan.speed_mps
@@ -36,7 +34,7 @@ def keeps_speed(plan: FlightPlan, wind: Wind) -> bool:
     return plan.speed_hold == "groundspeed" or plan.air.wind.kind == "calm" or wind is CALM.mean
 
 
-def ground_speeds(route: ph.Curve, s_m: Array, plan: FlightPlan, wind: Wind) -> Array:
+def ground_speeds(route: Chain, s_m: Array, plan: FlightPlan, wind: Wind) -> Array:
     """Speed over the ground (n,) at arc lengths (n,): the set airspeed in the mean wind of each place; 0 where the wind is too strong."""
     if keeps_speed(plan, wind):
         return np.full(len(s_m), plan.speed_mps)
@@ -44,16 +42,13 @@ def ground_speeds(route: ph.Curve, s_m: Array, plan: FlightPlan, wind: Wind) -> 
     return np.array([ground_speed_along(vec3(t), plan.speed_mps, wind(0.0, vec3(p))) for p, t in zip(points, tangents, strict=True)])
 
 
-def arc_lengths(curves: Sequence[ph.Curve], from_s_m: float, elapsed_s: Array, plan: FlightPlan, wind: Wind) -> Array:
-    """Arc lengths (n,) over a chain of curves after times (n,) from ``from_s_m`` on; past the end they grow at the set speed."""
+def arc_lengths(route: Chain, from_s_m: float, elapsed_s: Array, plan: FlightPlan, wind: Wind) -> Array:
+    """Arc lengths (n,) after times (n,) from ``from_s_m`` on; past the end they grow at the set speed."""
     if keeps_speed(plan, wind):
         return from_s_m + plan.speed_mps * elapsed_s
-    s, time_s = np.zeros(1), np.zeros(1)
-    for curve in curves:
-        local = np.linspace(0.0, curve.length_m, FINE // 4 + 1)
-        slow = _slowness(ground_speeds(curve, local, plan, wind))
-        steps = 0.5 * (slow[1:] + slow[:-1]) * np.diff(local)
-        s, time_s = np.append(s, s[-1] + local[1:]), np.append(time_s, time_s[-1] + np.cumsum(steps))
+    s = np.linspace(0.0, route.length_m, FINE + 1)
+    slow = _slowness(ground_speeds(route, s, plan, wind))
+    time_s = np.append(0.0, np.cumsum(0.5 * (slow[1:] + slow[:-1]) * np.diff(s)))
     due = np.interp(from_s_m, s, time_s) + elapsed_s
     return np.where(due <= time_s[-1], np.interp(due, time_s, s), s[-1] + plan.speed_mps * (due - time_s[-1]))
 
@@ -61,7 +56,7 @@ def arc_lengths(curves: Sequence[ph.Curve], from_s_m: float, elapsed_s: Array, p
 class Schedule:
     """Place and velocity of that point at any time of the plan. ``ValueError`` when the wind holds it up."""
 
-    def __init__(self, route: ph.Curve, begin_s_m: float, plan: FlightPlan, wind: Wind) -> None:
+    def __init__(self, route: Chain, begin_s_m: float, plan: FlightPlan, wind: Wind) -> None:
         self._route, self._plan, self._wind = route, plan, wind
         self._s = np.linspace(begin_s_m, route.length_m, FINE + 1)
         slow = _slowness(ground_speeds(route, self._s, plan, wind))

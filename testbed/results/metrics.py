@@ -7,9 +7,8 @@ import numpy as np
 from testbed.flight.air import make_wind
 from testbed.flight.schedule import arc_lengths, planned_time
 from testbed.flight.traffic import least_clearance
-from testbed.types import FlightMetrics, FlightRecord, Outcome
+from testbed.types import FlightMetrics, FlightRecord, Outcome, PlannedPath
 from testbed.units import DEG
-from vosc import ph
 
 Array = np.ndarray
 NAN = math.nan
@@ -27,7 +26,7 @@ def measure(record: FlightRecord) -> FlightMetrics:
     roll_rate = columns["own.rates_body_radps"][flown, 0]
     if np.isnan(roll_rate).all():
         roll_rate = demanded_roll_rate(record)[flown]
-    curvature = [curve.max_curvature() for curve in record.paths[-1].curves] if record.paths else []
+    curvature = record.paths[-1].chain.max_curvature() if record.paths else 0.0
     return FlightMetrics(
         outcome=record.outcome.value,
         least_clearance_m=clearance,
@@ -49,7 +48,7 @@ def measure(record: FlightRecord) -> FlightMetrics:
         max_airspeed_mps=extreme(np.max, columns["own.airspeed_mps"][flown]),
         max_alpha_deg=extreme(np.max, columns["own.alpha_rad"][flown]) / DEG,
         planned_length_m=record.paths[-1].length_m if record.paths else NAN,
-        planned_min_radius_m=1.0 / max(curvature) if curvature and max(curvature) > 0.0 else NAN,
+        planned_min_radius_m=1.0 / curvature if curvature > 0.0 else NAN,
         planned_clearance_m=planned_clearance(record),
         saturated_share=float(np.mean(columns["guidance.saturated"][flown])) if len(cross_track) else NAN,
         begin_s_m=float(columns["guidance.s_m"][0]) if len(cross_track) else NAN,
@@ -116,33 +115,16 @@ def schedule_error(record: FlightRecord, at_s: float, end_row: float) -> float:
     pos = columns["own.pos_enu_m"][k] + (row - k) * columns["own.vel_enu_mps"][k] / hz
     if not np.isfinite(pos).all():
         return NAN
-    s_m = project(path.curves, pos)
-    s_begin = project(path.curves, columns["own.pos_enu_m"][first])
-    return float(row / hz - path.from_time_s - scheduled(record, active, s_begin, s_m))
-
-
-def project(curves: tuple[ph.Curve, ...], pos: Array) -> float:
-    """Arc length, over a chain of curves, of the point nearest to a position (3,); straight on past the end."""
-    best, before, found = math.inf, 0.0, 0.0
-    for curve in curves:
-        s, distance = (float(v[0]) for v in curve.nearest(pos[None]))
-        if distance < best:
-            best, found = distance, before + s
-        before += curve.length_m
-    point, tangent, _ = curves[-1].frame(curves[-1].length_m)
-    beyond = float((pos - point) @ np.asarray(tangent))
-    return before + beyond if found == before and beyond > 0.0 else found
-
-
-def scheduled(record: FlightRecord, active: int, from_s: float, to_s: float) -> float:
-    """Seconds that the plan allows between two arc lengths of a path."""
+    s_begin, s_m = (place(record, path, point, row) for point, row in ((columns["own.pos_enu_m"][first], first), (pos, k)))
     wind = make_wind(record.plan.air, record.plan.terrain_z_m)
-    total, before = 0.0, 0.0
-    for curve in record.paths[active].curves:
-        low, high = (min(max(s - before, 0.0), curve.length_m) for s in (from_s, to_s))
-        total += planned_time(curve, low, high, record.plan, wind)
-        before += curve.length_m
-    return total + max(0.0, to_s - before) / record.plan.speed_mps
+    inside = min(s_m, path.length_m)
+    scheduled = planned_time(path.chain, s_begin, inside, record.plan, wind) + (s_m - inside) / record.plan.speed_mps
+    return float(row / hz - path.from_time_s - scheduled)
+
+
+def place(record: FlightRecord, path: PlannedPath, point: Array, row: int) -> float:
+    """Arc length of a path nearest to a point (3,) that was passed about that row; straight on past the end."""
+    return float(path.chain.nearest(point[None], record.columns["guidance.s_m"][row : row + 1])[0][0])
 
 
 def planned_clearance(record: FlightRecord) -> float:
@@ -156,13 +138,10 @@ def planned_clearance(record: FlightRecord) -> float:
         mine = np.flatnonzero(record.columns["path.index"] == active)
         if not len(mine):
             continue
-        begin_s = project(path.curves, record.columns["own.pos_enu_m"][mine[0]])
-        s = arc_lengths(path.curves, begin_s, (mine - mine[0]) / hz, record.plan, wind)
-        before = 0.0
-        for curve in path.curves:
-            inside = (s >= before) & (s <= before + curve.length_m)
-            point[mine[inside]] = curve.sample(s[inside] - before)[0]
-            before += curve.length_m
+        begin_s = place(record, path, record.columns["own.pos_enu_m"][mine[0]], mine[0])
+        s = arc_lengths(path.chain, begin_s, (mine - mine[0]) / hz, record.plan, wind)
+        inside = s <= path.length_m
+        point[mine[inside]] = path.chain.sample(s[inside])[0]
     clearances = [
         least_clearance(time_s, point, record.columns[f"obstacle.{o.name}.pos_enu_m"], o.radius_m).clearance_m
         for o in record.plan.obstacles

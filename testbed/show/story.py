@@ -51,6 +51,20 @@ def path_points(path: PlannedPath, per_curve: int = 60) -> list[Array]:
     return [curve.sample(np.linspace(0.0, curve.length_m, per_curve))[0] for curve in path.curves]
 
 
+def route_ends(record: FlightRecord) -> list[Array]:
+    """Both ends of the path that was given to guidance first; empty when there was none."""
+    if not record.paths:
+        return []
+    chain = record.paths[0].chain
+    return [np.array(chain.frame(s_m)[0]) for s_m in (0.0, chain.length_m)]
+
+
+def route_size(record: FlightRecord) -> float:
+    """Diagonal of the box around the first path, m."""
+    points = np.vstack(path_points(record.paths[0]))
+    return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+
+
 def leg_names(record: FlightRecord) -> list[str]:
     """Per row: ``route`` on the original path, ``avoid`` up to the insertion point, ``rejoin`` after it."""
     index, leg = record.columns["path.index"].astype(int), record.columns["path.leg"].astype(int)

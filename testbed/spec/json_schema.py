@@ -67,7 +67,7 @@ def _properties(value: Json, document: Json) -> Json:
     if "$ref" in value:
         return document["$defs"][value["$ref"].rpartition("/")[2]].get("properties", {})
     merged: dict[str, list[Json]] = {}
-    for option in value.get("oneOf", []):
+    for option in value.get("oneOf", []) + value.get("anyOf", []):  # a union, and one that may be left out
         for name, part in _properties(option, document).items():
             if part not in merged.setdefault(name, []):
                 merged[name].append(part)

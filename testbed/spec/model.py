@@ -15,6 +15,7 @@ from testbed.catalogue import aircraft_folders
 from testbed.spec.air import Air
 from testbed.spec.base import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
 from testbed.spec.check import Check
+from testbed.spec.route import Route
 from vosc.methods import METHODS
 
 
@@ -43,27 +44,6 @@ def _names_differ(obstacles: "tuple[ObstacleSpec, ...]") -> "tuple[ObstacleSpec,
 Option = Annotated[bool | float | str, BeforeValidator(_option)]
 Method = Annotated[str, AfterValidator(lambda name: _known("method", name, METHODS))]
 Aircraft = Annotated[str, AfterValidator(lambda name: _known("aircraft", name, aircraft_folders()))]
-
-
-class Route(Section):
-    """The original path: one canonical PH quintic with end tangents of ``magnitude_chords`` times the chord."""
-
-    start_enu_m: Point
-    """Where the path starts: [east, north, up], m."""
-    goal_enu_m: Point
-    """Where the path ends: [east, north, up], m."""
-    start_direction_deg: Direction
-    """Direction of the path at its start: [azimuth counter-clockwise from east, elevation up], deg."""
-    goal_direction_deg: Direction
-    """Direction of the path at its goal: [azimuth counter-clockwise from east, elevation up], deg."""
-    magnitude_chords: Annotated[Positive, Field(le=3)] = 1.0
-    """Length of both end tangents, in chord lengths (start to goal)."""
-
-    @model_validator(mode="after")
-    def _ends_differ(self) -> "Route":
-        if self.start_enu_m == self.goal_enu_m:
-            raise ValueError("start_enu_m and goal_enu_m are the same point")
-        return self
 
 
 class Begin(Section):
@@ -158,7 +138,7 @@ class PlantSpec(Section):
     kind: Literal["kinematic", "point_mass", "jsbsim"] = "jsbsim"
     """kinematic: a point on the planned curve. point_mass: a point with the aircraft's limits. jsbsim: six degrees of freedom."""
     ideal: tuple[Literal["roll", "load_factor", "speed"], ...] = ()
-    """Limits of the point_mass that are switched off: roll (lag, rate and bank limit), load_factor (lag and limits), speed (thrust and drag)."""
+    """Limits of the point_mass that are switched off: roll (lag, rate, bank limit), load_factor (lag, limits), speed (thrust, drag)."""
 
     @model_validator(mode="after")
     def _ideal_is_for_the_point_mass(self) -> "PlantSpec":

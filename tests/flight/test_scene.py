@@ -27,7 +27,7 @@ def test_the_original_path_passes_the_trigger_point() -> None:
 def test_level_geometry_is_the_same_encounter_turned_about_the_start() -> None:
     """Distances between the route and the obstacle are kept at every instant; both end tangents are horizontal."""
     given, level = (scene(plan(geometry=kind, obstacles=[paper_obstacle()])) for kind in ("as_given", "level"))
-    assert level.route.tangent(0.0)[2] == pytest.approx(0.0, abs=1e-12)
+    assert level.route.frame(0.0)[1][2] == pytest.approx(0.0, abs=1e-12)
     assert level.goal_tangent[2] == pytest.approx(0.0, abs=1e-12)
     s = np.linspace(0.0, given.route.length_m, 50)
     distances = [
@@ -50,7 +50,7 @@ def test_level_rotation_is_a_rotation_and_the_least_one() -> None:
 
 def test_a_flight_begins_where_the_climb_is_low_enough() -> None:
     found = scene(plan(begin={"climb_at_most_deg": 18}))
-    climb = np.arcsin(found.route.tangent(found.begin_s_m)[2]) / DEG
+    climb = np.arcsin(found.route.frame(found.begin_s_m)[1][2]) / DEG
     assert climb == pytest.approx(18.0, abs=0.01)
     assert found.planned_time_s == pytest.approx((found.route.length_m - found.begin_s_m) / 50.0)
 

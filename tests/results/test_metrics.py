@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from testbed import fly, measure
-from testbed.results.metrics import goal_crossing, project
+from testbed.results.metrics import goal_crossing
 from testbed.types import FlightRecord
 from tests.plans import KINEMATIC, plan
 
@@ -47,12 +47,6 @@ def test_cross_track_is_root_mean_square_and_maximum(record: FlightRecord) -> No
     metrics = measure(changed(record, **{"path.cross_track_m": offset}))
     assert metrics.cross_track_max_m == 3.0
     assert metrics.cross_track_rms_m == pytest.approx(math.sqrt(np.mean(offset**2)), rel=1e-3)
-
-
-def test_projection_on_a_chain_goes_on_straight(record: FlightRecord) -> None:
-    curves = record.paths[0].curves
-    assert project(curves, np.array([250.0, 7.0, 0.0])) == pytest.approx(250.0)
-    assert project(curves, np.array([612.0, 7.0, 0.0])) == pytest.approx(612.0)
 
 
 def test_planned_clearance_is_the_clearance_of_a_point_on_schedule() -> None:

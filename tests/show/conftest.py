@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from testbed.chain import Chain
 from testbed.spec.model import FlightPlan
 from testbed.types import FlightMetrics, FlightRecord, Outcome, PlannedPath, ReplanEvent
 from testbed.units import DEG, G0_MPS2
@@ -120,11 +121,11 @@ def _paths(columns: dict[str, np.ndarray], replanned: bool) -> tuple[PlannedPath
         return ph.hermite(ends[0], slopes[0], ends[1], slopes[1])
 
     end_s = float(columns["time_s"][-1])
-    original = PlannedPath(0.0, (piece(0.0, end_s),))
+    original = PlannedPath(0.0, Chain((piece(0.0, end_s),)))
     if not replanned:
         return (original,)
     middle_s = TRIGGER_S + INSERTION_S
-    return original, PlannedPath(TRIGGER_S, (piece(TRIGGER_S, middle_s), piece(middle_s, end_s)))
+    return original, PlannedPath(TRIGGER_S, Chain((piece(TRIGGER_S, middle_s), piece(middle_s, end_s))))
 
 
 def metrics(flight: FlightRecord) -> FlightMetrics:

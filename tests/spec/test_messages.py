@@ -18,7 +18,7 @@ ONE_FAULT = [
     ("radius_m: 25", "radius: 25", "13:5: obstacles.O.radius: unknown key 'radius'", "did you mean 'radius_m'?"),
     ("plant:", "zzz:", "19:1: zzz: unknown key 'zzz'", None),
     ("    radius_m: 25\n", "", "12:5: obstacles.O.radius_m: this key is missing", ""),
-    ("  goal_enu_m: [500, 200, 100]\n", "", "6:1: route.goal_enu_m: this key is missing", ""),
+    ("  goal_enu_m: [500, 200, 100]\n", "", "6:1: route: give goal_enu_m and goal_direction_deg, or a shape", ""),
     ("question: Does it load?\n", "", "1:1: question: this key is missing", ""),
     ("kind: steady, ", "", "20:7: air.wind.kind: this key is missing", ""),
     (

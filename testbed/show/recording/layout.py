@@ -7,7 +7,7 @@ import rerun.blueprint as rrb
 from testbed.show import palette
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
-from testbed.show.story import path_points
+from testbed.show.story import path_points, route_ends
 from testbed.types import FlightRecord
 
 MANY = ("clearance", "bank", "load_factor")  # plots with more than one curve, which need a legend
@@ -69,7 +69,7 @@ def _spatial(record: FlightRecord, name: str, eye: rrb.EyeControls3D) -> rrb.Spa
 def _overview(record: FlightRecord) -> rrb.Spatial3DView:
     """The whole route from its right-hand side and above."""
     places = [point for path in record.paths for piece in path_points(path, 8) for point in piece]
-    places += [np.array(record.plan.route.start_enu_m), np.array(record.plan.route.goal_enu_m)]
+    places += route_ends(record)
     box = np.array(places)
     low, high = box.min(axis=0), box.max(axis=0)
     centre, extent = (low + high) / 2, float(np.linalg.norm(high - low))

@@ -8,8 +8,8 @@ import rerun as rr
 from testbed.show import palette, shapes
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
-from testbed.show.story import number, path_points
-from testbed.types import FlightMetrics, FlightRecord, PlannedPath
+from testbed.show.story import number, path_points, route_ends, route_size
+from testbed.types import FlightMetrics, FlightRecord
 
 SYMBOL_SHARE = 0.04  # the aeroplane is drawn larger than life: this share of the route's size, or it could not be seen
 SCENE_HZ, TRAIL_HZ = 60.0, 20.0
@@ -19,11 +19,10 @@ ARROW_S = 0.5  # a velocity arrow ends where the thing will be after this time
 def log_route(stream: rr.RecordingStream, record: FlightRecord) -> None:
     """The original path with its ends, and every later path from the instant it was planned."""
     stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    route = record.plan.route
     stream.log(
         "world/plan/ends",
         rr.Points3D(
-            [route.start_enu_m, route.goal_enu_m] if record.plan.geometry == "as_given" else _ends(record),
+            route_ends(record),
             labels=["start", "goal"],
             colors=rgba(palette.GREY),
             radii=rr.Radius.ui_points(4),
@@ -50,22 +49,13 @@ def log_route(stream: rr.RecordingStream, record: FlightRecord) -> None:
     stream.reset_time()
 
 
-def _ends(record: FlightRecord) -> list[np.ndarray]:
-    """Both ends of the path that was really given to guidance first."""
-    if not record.paths:
-        return []
-    first: PlannedPath = record.paths[0]
-    return [first.curves[0].point(0.0), first.curves[-1].point(first.curves[-1].length_m)]
-
-
 def log_motion(stream: rr.RecordingStream, record: FlightRecord, metrics: FlightMetrics, rows: np.ndarray) -> None:
     """Everything that moves."""
     plant_hz = record.plan.rates.plant_hz
     fine, coarse = timeline.thinned(rows, SCENE_HZ, plant_hz), timeline.thinned(rows, TRAIL_HZ, plant_hz)
     columns = record.columns
     time_s, pos, vel = columns["time_s"], columns["own.pos_enu_m"], columns["own.vel_enu_mps"]
-    size = float(np.linalg.norm(np.subtract(record.plan.route.goal_enu_m, record.plan.route.start_enu_m)))
-    symbol = shapes.aeroplane(SYMBOL_SHARE * size)
+    symbol = shapes.aeroplane(SYMBOL_SHARE * route_size(record))
     stream.log(
         "world/own/body",
         rr.Mesh3D(

@@ -1,0 +1,97 @@
+"""PH curves joined end to end, addressed by one arc length, straight on before the start and past the end."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from testbed.frames import Vec3
+from vosc import ph
+
+Array = np.ndarray
+FEW = 8  # up to this many pieces are all searched for the nearest point; of more, those about a guess
+NEWTON_STEPS = 12
+
+
+class Chain:
+    """A path of one or more pieces. Everything here is exact; ``testbed.flight.path`` has the fast table for the loop."""
+
+    def __init__(self, curves: Sequence[ph.Curve]) -> None:
+        self.curves = tuple(curves)
+        ends = np.cumsum([curve.length_m for curve in self.curves])
+        self.length_m = float(ends[-1])
+        self.starts_m = tuple(float(s) for s in [0.0, *ends[:-1]])
+
+    def leg(self, s_m: float) -> int:
+        """Which piece an arc length lies on."""
+        return max(0, int(np.searchsorted(self.starts_m, s_m, side="right")) - 1)
+
+    def frame(self, s_m: float) -> tuple[Vec3, Vec3, Vec3]:
+        """Point (m), unit tangent and curvature vector (1/m) at an arc length."""
+        if 0.0 <= s_m <= self.length_m:
+            k = self.leg(s_m) if len(self.curves) > 1 else 0
+            return self.curves[k].frame(min(s_m - self.starts_m[k], self.curves[k].length_m))
+        k, end = (0, 0.0) if s_m < 0.0 else (-1, self.curves[-1].length_m)
+        point, tangent, _ = self.curves[k].frame(end)
+        beyond = s_m if s_m < 0.0 else s_m - self.length_m
+        return (point[0] + beyond * tangent[0], point[1] + beyond * tangent[1], point[2] + beyond * tangent[2]), tangent, (0.0, 0.0, 0.0)
+
+    def sample(self, s_m: Array) -> tuple[Array, Array, Array]:
+        """Points, unit tangents and curvature vectors, (n,3) each, at arc lengths (n,)."""
+        s_m = np.asarray(s_m, dtype=float)
+        rows = np.empty((len(s_m), 9))
+        which = np.clip(np.searchsorted(self.starts_m, s_m, side="right") - 1, 0, None)
+        inside = (s_m >= 0.0) & (s_m <= self.length_m)
+        for k in np.unique(which[inside]):
+            mine, curve = inside & (which == k), self.curves[k]
+            rows[mine] = np.hstack(curve.sample(np.clip(s_m[mine] - self.starts_m[k], 0.0, curve.length_m)))
+        for outside, end in ((s_m < 0.0, 0.0), (s_m > self.length_m, self.length_m)):
+            if outside.any():
+                point, tangent, _ = self.frame(end)
+                rows[outside, :3] = np.asarray(point) + np.outer(s_m[outside] - end, tangent)
+                rows[outside, 3:6], rows[outside, 6:] = tangent, 0.0
+        return rows[:, :3], rows[:, 3:6], rows[:, 6:]
+
+    def nearest(self, points: Array, guess_s_m: Array | None = None) -> tuple[Array, Array]:
+        """Arc lengths (n,) of the nearest points, and the distances (n,), m; past the end the straight line counts.
+
+        Of a chain of more than eight pieces (a racetrack passes the same place on every lap) the point nearest to ``guess_s_m``
+        (n,) is meant, and a guess must be given. A point that is not finite has NaN for both.
+        """
+        points = np.asarray(points, dtype=float)
+        good = np.isfinite(points).all(axis=1)
+        if not good.all():
+            s_m, distance = np.full((2, len(points)), np.nan)
+            if good.any():
+                s_m[good], distance[good] = self.nearest(points[good], None if guess_s_m is None else guess_s_m[good])
+            return s_m, distance
+        if len(self.curves) <= FEW:
+            return self._global(points)
+        if guess_s_m is None:
+            raise ValueError(f"guess_s_m: needed for a chain of {len(self.curves)} pieces")
+        return self._local(points, np.array(guess_s_m, dtype=float))
+
+    def _global(self, points: Array) -> tuple[Array, Array]:
+        found = [curve.nearest(points) for curve in self.curves]
+        distances = np.array([distance for _, distance in found])
+        best = np.argmin(distances, axis=0)
+        row = np.arange(len(points))
+        s_m = np.array([start + s for start, (s, _) in zip(self.starts_m, found, strict=True)])[best, row]
+        distance = distances[best, row]
+        point, tangent, _ = self.curves[-1].frame(self.curves[-1].length_m)
+        beyond = (points - point) @ np.asarray(tangent)
+        aside = np.linalg.norm(points - point - np.outer(beyond, tangent), axis=1)
+        past = (beyond > 0.0) & (aside < distance)
+        return np.where(past, self.length_m + beyond, s_m), np.where(past, aside, distance)
+
+    def _local(self, points: Array, s_m: Array) -> tuple[Array, Array]:
+        """Newton's method on the foot of the perpendicular, from the guess."""
+        for _ in range(NEWTON_STEPS):
+            place, tangent, curvature = self.sample(s_m)
+            offset = points - place
+            slope = np.maximum(1.0 - np.einsum("ij,ij->i", offset, curvature), 0.25)
+            s_m = np.maximum(0.0, s_m + np.einsum("ij,ij->i", offset, tangent) / slope)
+        return s_m, np.linalg.norm(points - self.sample(s_m)[0], axis=1)
+
+    def max_curvature(self) -> float:
+        """Greatest curvature of any piece, 1/m."""
+        return max(curve.max_curvature() for curve in self.curves)
