@@ -67,7 +67,7 @@ def exact_cones(own: Own, obstacles: Sequence[Obstacle]) -> list[Cone]:
 
 
 def loops_of(cone: Cone, speed_mps: float) -> list[Loop]:
-    """The boundary curves of ``cone`` on the sphere of radius ``speed_mps``; empty when the sphere lies wholly inside or outside the cone."""
+    """The boundary curves on the sphere of radius ``speed_mps``; none when the sphere lies wholly inside or outside the cone."""
     apex, axis = cone.apex, cone.axis
     e1 = perpendicular(axis, apex)
     e2 = cross(axis, e1)

@@ -1,7 +1,8 @@
 """Avoidance directions against several obstacles (paper section 4.2, eq. 29-33), on the paper's caps or on the exact boundary.
 
-The paper replaces each velocity obstacle by the circle of its cap. Between the two critical velocities that circle runs inside the
-exact cone, by up to several degrees: ``cap_gap`` measures it. Everything here takes ``boundary="paper"`` or ``"exact"``.
+The paper replaces each velocity obstacle by the circle of its cap. That circle touches the exact boundary at the two critical
+velocities; between them it runs up to several degrees outside on some stretches and inside, where a velocity on it collides, on
+others: ``cap_gap`` measures it. Everything here takes ``boundary="paper"`` or ``"exact"``.
 """
 
 import math
@@ -14,7 +15,7 @@ from vosc.cone import Cone, cone_of, loop_point, loops_of
 from vosc.encounter import Obstacle, Own, cone_margin
 from vosc.free import nearest_free
 from vosc.spherical_cap import Cap, cap
-from vosc.turns import first_free, level_circle
+from vosc.turns import least_turn, level_circle
 from vosc.vec import FloatArray, Vec, along, array, combine, cross, direction, dot, norm, perpendicular, scale, three, unit
 
 Boundary = Literal["paper", "exact"]
@@ -24,7 +25,8 @@ OBJECTIVES = ("least_deflection", "least_climb_change", "right_of_way", "goal")
 
 def cap_cone(found: Cap) -> Cone:
     """The cap's circle as a cone with its apex at the own velocity's origin: the same tests and boundaries as for an exact cone."""
-    return Cone((0.0, 0.0, 0.0), direction(found.azimuth_rad, found.elevation_rad), math.cos(found.half_angle_rad), math.sin(found.half_angle_rad))
+    centre, gamma = direction(found.azimuth_rad, found.elevation_rad), found.half_angle_rad
+    return Cone((0.0, 0.0, 0.0), centre, math.cos(gamma), math.sin(gamma))
 
 
 def boundaries(own: Own, obstacles: Sequence[Obstacle], boundary: Boundary) -> list[Cone] | None:
@@ -54,7 +56,10 @@ def boundary_curves(own: Own, obstacle: Obstacle, boundary: Boundary = "exact", 
 
 
 def cap_gap(own: Own, obstacle: Obstacle, n: int = 360) -> FloatArray | None:
-    """How far points of the paper's circle lie outside the exact cone, rad (n,), all round from ``nearest_mps``; negative: inside. ``None`` without cap."""
+    """How far the paper's circle lies outside the exact cone, rad (n,), all round from ``nearest_mps``; negative: inside.
+
+    ``None`` without a cap.
+    """
     found = cap(own, obstacle)
     if found is None:
         return None
@@ -108,7 +113,11 @@ def corner_points(first: Cap, second: Cap, speed_mps: float) -> list[FloatArray]
 
 
 def choose(
-    own: Own, obstacles: Sequence[Obstacle], objective: Objective = "least_deflection", boundary: Boundary = "exact", goal: Sequence[float] | None = None
+    own: Own,
+    obstacles: Sequence[Obstacle],
+    objective: Objective = "least_deflection",
+    boundary: Boundary = "exact",
+    goal: Sequence[float] | None = None,
 ) -> FloatArray | None:
     """The free velocity of own speed (3,), m/s, that is best by ``objective``; a point K of the union's boundary unless a free one
     beats it.
@@ -147,12 +156,10 @@ def best_free(cones: Sequence[Cone], velocity_mps: Vec, objective: str, goal: Ve
 
 
 def _least_climb_change(cones: Sequence[Cone], velocity: Vec, speed: float) -> Vec | None:
-    """On the present circle of latitude if a point of it is free; else the lowest free point above it or the highest below, whichever is closer."""
-    circle = level_circle(velocity)
-    turns = [(omega, sense) for sense in (1, -1) if (omega := first_free(cones, circle, sense)) is not None]
-    if turns:
-        omega, sense = min(turns)
-        return circle.at(sense * omega)
+    """On the present circle of latitude if a point of it is free; else the nearer of the lowest free point above and the highest below."""
+    level = least_turn(cones, [level_circle(velocity)], (-1, 1))
+    if level is not None:
+        return level
     sine = max(-1.0, min(1.0, velocity[2] / speed)) if speed > 0.0 else 0.0
     found = []
     for up in (1.0, -1.0):

@@ -2,11 +2,11 @@
 
 The nearest free point is a point of one boundary curve where the distance is stationary, or a point where two boundary curves cross. So:
 
-1. A cone that holds the wanted direction must be left: its own nearest boundary point is a lower bound. The largest of these bounds, if free of
-   every other cone, is the answer. Most encounters end here, in scalar arithmetic.
-2. Otherwise a disc round the wanted direction is searched, and doubled until it holds a free point. Inside it every boundary curve is sampled;
-   stretches surely covered by another cone are dropped (the margin by second differences, so that no gap between samples is lost); what
-   remains, the crossings and the stationary points, is refined to rounding, nearest first, until no nearer one can follow.
+1. A cone that holds the wanted direction must be left: its own nearest boundary point is a lower bound. The largest of these bounds,
+   if free of every other cone, is the answer. Most encounters end here, in scalar arithmetic.
+2. Otherwise a disc round the wanted direction is searched, and doubled until it holds a free point. Inside it every boundary curve is
+   sampled; stretches surely covered by another cone are dropped (the margin by second differences, so that no gap between samples is
+   lost); what remains, the crossings and the stationary points, is refined to rounding, nearest first, until no nearer one can follow.
 
 Circles on the sphere (the paper's caps, half-spaces of velocities) are cones with their apex at the centre, so they need no code of
 their own.
@@ -16,14 +16,16 @@ import heapq
 import itertools
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
 from vosc.cone import ON_THE_CONE, Cone, Loop, is_free, loop_point, loops_of, outside, peaks, slope_of, zero
-from vosc.vec import FloatArray, Vec, dot, norm, scale, sub, unit
+from vosc.vec import FloatArray, IntArray, Vec, dot, norm, scale, sub, unit
 
 GRID = 48
-BLOCK = 2_000_000  # numbers in a table of samples times cones: bounds the memory of a dense scene
+BLOCK = 300_000  # numbers in a table of samples times cones: a dense scene is worked through in blocks
+CROWD = 40  # cones from which a cheap first sieve pays
 _THETA = 2.0 * np.pi * np.arange(GRID) / GRID
 _STEP = 2.0 * math.pi / GRID
 _AFTER = np.arange(1, GRID + 1) % GRID
@@ -114,25 +116,45 @@ def _search(cones: Sequence[Cone], speed: float, aim: Vec, radius: float) -> Vec
     line, start = np.nonzero(bound >= math.cos(radius) - 1e-12)
     queue: list[tuple[float, int, Callable[[], list[Vec]]]] = []
     tick = itertools.count()
-    per_block = max(1, BLOCK // (4 * len(cones)))
-    for first in range(0, len(line), per_block):
-        rows, columns = line[first : first + per_block], start[first : first + per_block]
-        for height_bound, refine in _open_stretches(cones, loops, owner, points, bound, rows, columns, aim):
-            heapq.heappush(queue, (-height_bound, next(tick), refine))
     best: Vec | None = None
     best_height = math.cos(radius) - 1e-12
-    while queue and -queue[0][0] >= best_height:
-        for velocity in heapq.heappop(queue)[2]():
-            level = dot(velocity, aim) / speed
-            if level > best_height and is_free(cones, velocity):
-                best, best_height = velocity, level
+    order = np.argsort(-bound[line, start], kind="stable")  # nearest first: a dense scene need not be looked at in full
+    line, start = line[order], start[order]
+    per_block = max(1, BLOCK // len(cones))
+    for first in range(0, len(line), per_block):
+        rows, columns = line[first : first + per_block], start[first : first + per_block]
+        if bound[rows[0], columns[0]] < best_height:
+            break
+        for height_bound, refine in _open_stretches(cones, loops, owner, points, bound, rows, columns, aim):
+            heapq.heappush(queue, (-height_bound, next(tick), refine))
+        after = first + per_block
+        coming = float(bound[line[after], start[after]]) if after < len(line) else -math.inf
+        while queue and -queue[0][0] >= max(best_height, coming):
+            for velocity in heapq.heappop(queue)[2]():
+                level = dot(velocity, aim) / speed
+                if level > best_height and is_free(cones, velocity):
+                    best, best_height = velocity, level
     return best
 
 
 def _open_stretches(
-    cones: Sequence[Cone], loops: list[Loop], owner: FloatArray, points: FloatArray, bound: FloatArray, rows: FloatArray, columns: FloatArray, aim: Vec
+    cones: Sequence[Cone],
+    loops: list[Loop],
+    owner: IntArray,
+    points: FloatArray,
+    bound: FloatArray,
+    rows: IntArray,
+    columns: IntArray,
+    aim: Vec,
 ) -> list[tuple[float, Callable[[], list[Vec]]]]:
     """For each stretch that no other cone surely covers: its bound, and a function that refines its crossings and its peak."""
+    if len(cones) > CROWD:
+        # a side changes by at most twice the way (3 for the arc over its chord): so deep a sample settles its stretch alone
+        step = np.linalg.norm(points[rows, _AFTER[columns]] - points[rows, columns], axis=1)
+        deep = sides(points[rows, columns], cones)
+        deep[np.arange(len(rows)), owner[rows]] = 0.0
+        kept = deep.min(axis=1) > -3.0 * step
+        rows, columns = rows[kept], columns[kept]
     own_cone = owner[rows][:, None] == np.arange(len(cones))
     corners = points[rows[:, None], (columns[:, None] + _AROUND) % GRID]
     side = sides(corners.reshape(-1, 3), cones).reshape(len(rows), 4, len(cones))
@@ -142,10 +164,9 @@ def _open_stretches(
     covered = ((high < -slack) & ~own_cone).any(axis=1)
     contact = (low <= slack) & (high >= -slack) & ~own_cone & ~covered[:, None]
     out: list[tuple[float, Callable[[], list[Vec]]]] = []
-    for i in np.nonzero(~covered)[0]:
-        loop, theta = loops[rows[i]], float(_THETA[columns[i]])
-        others = [cones[j] for j in np.nonzero(contact[i])[0]]
-        out.append((float(bound[rows[i], columns[i]]), lambda loop=loop, theta=theta, others=others: _refine(loop, theta, others, aim)))
+    for i in np.nonzero(~covered)[0].tolist():
+        others = [cones[j] for j in np.nonzero(contact[i])[0].tolist()]
+        out.append((float(bound[rows[i], columns[i]]), partial(_refine, loops[int(rows[i])], float(_THETA[columns[i]]), others, aim)))
     return out
 
 

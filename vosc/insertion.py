@@ -12,6 +12,7 @@ which the straight line of the own aircraft already passes it (to the right when
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -39,6 +40,23 @@ def smallest_positive_root(a: float, half_b: float, c: float) -> float | None:
     roots = [num / den for num, den in ((q, a), (c, q)) if den != 0.0]
     ahead = [t for t in roots if 0.0 < t < math.inf]
     return min(ahead) if ahead else None
+
+
+def major_obstacle(own: Own, obstacles: Sequence[Obstacle]) -> tuple[int, float] | None:
+    """Section 4.3.2: index of the obstacle with the least t_c = (d_0 - R) / |v_o|, and that time, s; the insertion point is built
+    from it.
+
+    Give the threats only. Stationary obstacles have no t_c; ``None`` when no obstacle has one. Inside a sphere its time is 0.
+    """
+    times = [
+        (max(norm(sub(o.pos_m, own.pos_m)) - o.radius_m, 0.0) / norm(o.vel_mps), k)
+        for k, o in enumerate(obstacles)
+        if norm(o.vel_mps) > STATIONARY * norm(own.vel_mps)
+    ]
+    if not times:
+        return None
+    time, k = min(times)
+    return k, time
 
 
 def _abeam(own: Own, obstacle: Obstacle) -> Vec:

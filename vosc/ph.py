@@ -11,10 +11,12 @@ and Juettler, Math. Comp. 76 (2007) 1373.
 import math
 from collections.abc import Iterable
 
+from vosc.ph_batch import Curves, hermite_many
 from vosc.ph_curve import Curve
+from vosc.ph_flyable import Flyable, Limits, flyable
 from vosc.vec import Vec, add, along, combine, dot, norm, perpendicular, right_of, scale, sub, three, unit
 
-__all__ = ["Curve", "hermite"]
+__all__ = ["Curve", "Curves", "Flyable", "Limits", "flyable", "hermite", "hermite_many"]
 
 OPPOSITE = 1e-9  # unit vectors whose sum is smaller than this point in opposite directions: their bisector is rounding noise
 
@@ -54,4 +56,4 @@ def hermite(p0_m: Iterable[float], d0_m: Iterable[float], p1_m: Iterable[float],
     c = along(along(scale(120.0, chord), -15.0, add(d0, d1)), 5.0, mixed)
     b = _root(axis, c, norm(c), t0, t1, right_of(axis))
     a1 = combine(0.25, b, -0.75, add(a0, a2))
-    return Curve(p0, axis, a0, a1, a2)
+    return Curve(p0, axis, (a0, a1, a2))

@@ -1,12 +1,11 @@
-"""One spatial Pythagorean-hodograph quintic: evaluation by arc length, extremes, nearest points.
+"""One spatial Pythagorean-hodograph curve: evaluation by arc length, extremes, nearest points.
 
-A canonical PH quintic needs no general quaternion: with its two free angles at zero the preimage is a pure vector a(t), and r'(t)
-is the axis e turned half round a(t):
+Here the preimage is a pure vector a(t), and r'(t) is the axis e turned half round a(t); a general quaternion is not needed:
 
-    r'(t) = 2 (a.e) a - |a|^2 e,    |r'(t)| = |a(t)|^2 = sigma(t),    a(t) = A0 (1-t)^2 + 2 A1 t (1-t) + A2 t^2
+    r'(t) = 2 (a.e) a - |a|^2 e,    |r'(t)| = |a(t)|^2 = sigma(t),    a(t) in Bernstein form
 
-so the speed is a polynomial of degree 4 and the arc length one of degree 5, both exact (Farouki, al-Kandari, Sakkalis 2002). With h
-= w a' - w' a, w = a.e, of degree 2, the curvature is 2 |h| / sigma^2.
+so speed and arc length are polynomials and exact (Farouki, al-Kandari, Sakkalis 2002). With h = w a' - w' a, w = a.e, the curvature is
+2 |h| / sigma^2. Quintics have a quadratic preimage; septics, whose start curvature can be given, a cubic one.
 """
 
 import math
@@ -27,27 +26,28 @@ Frame = tuple[Vec, Vec, Vec]
 
 @dataclass(frozen=True)
 class Curve:
-    """A canonical spatial PH quintic, evaluated by arc length ``s_m`` in [0, length_m]; beyond its ends it stays at the end.
+    """A spatial PH curve, evaluated by arc length ``s_m`` in [0, length_m]; beyond its ends it stays at the end.
 
-    Made by ``ph.hermite``. Frame of the inputs, metres. The fields are the preimage: axis ``e`` (unit vector), ``a0 a1 a2`` (Bernstein
-    coefficients, square root of metres), ``start_m``.
+    Made by ``ph.hermite`` (the canonical quintic) and ``ph.flyable``. Frame of the inputs, metres. The fields are the preimage:
+    axis ``e`` (unit vector), ``a`` its three (quintic) or four (septic) Bernstein coefficients, square root of metres, and
+    ``start_m``.
     """
 
     start_m: Vec
     e: Vec
-    a0: Vec
-    a1: Vec
-    a2: Vec
+    a: tuple[Vec, ...]
 
-    def __reduce__(self) -> tuple[type["Curve"], tuple[Vec, ...]]:
-        return Curve, (self.start_m, self.e, self.a0, self.a1, self.a2)  # without what was cached: a used curve pickles like a fresh one
+    def __reduce__(self) -> tuple[type["Curve"], tuple[Vec, Vec, tuple[Vec, ...]]]:
+        return Curve, (self.start_m, self.e, self.a)  # without what was cached: a used curve pickles like a fresh one
 
     # ---- polynomials in t, lowest power first ----------------------------
 
     @cached_property
     def _preimage(self) -> tuple[Poly, ...]:
         """x, y, z of a(t)."""
-        return tuple((p, 2.0 * (q - p), p - 2.0 * q + r) for p, q, r in zip(self.a0, self.a1, self.a2, strict=True))
+        if len(self.a) == 3:
+            return tuple((p, 2.0 * (q - p), p - 2.0 * q + r) for p, q, r in zip(*self.a, strict=True))
+        return tuple((p, 3.0 * (q - p), 3.0 * (p - 2.0 * q + r), s - p + 3.0 * (q - r)) for p, q, r, s in zip(*self.a, strict=True))
 
     @cached_property
     def _w(self) -> Poly:
@@ -56,36 +56,41 @@ class Curve:
 
     @cached_property
     def _sigma(self) -> Poly:
-        """|a|^2, degree 4."""
+        """|a|^2, of degree 4 (quintic) or 6 (septic)."""
         return total([product(x, x) for x in self._preimage])
 
     @cached_property
     def _arc(self) -> Poly:
-        """Arc length from t = 0, degree 5."""
+        """Arc length from t = 0."""
         return integral(self._sigma)
 
     @cached_property
     def _hodograph(self) -> tuple[Poly, ...]:
-        """x, y, z of r', degree 4."""
+        """x, y, z of r'."""
         pairs = zip(self._preimage, self.e, strict=True)
         return tuple(tuple(2.0 * p - e * s for p, s in zip(product(self._w, x), self._sigma, strict=True)) for x, e in pairs)
 
     @cached_property
     def _position(self) -> tuple[Poly, ...]:
-        """x, y, z of r, degree 5."""
+        """x, y, z of r."""
         return tuple(integral(v, start) for start, v in zip(self.start_m, self._hodograph, strict=True))
 
     @cached_property
     def _bend(self) -> tuple[Poly, ...]:
-        """x, y, z of h = w a' - w' a, degree 2 (the cubic terms cancel)."""
+        """x, y, z of h = w a' - w' a, without the highest power, which cancels."""
         w = self._w
-        return tuple((w[0] * x[1] - w[1] * x[0], 2.0 * (w[0] * x[2] - w[2] * x[0]), w[1] * x[2] - w[2] * x[1]) for x in self._preimage)
+        return tuple(difference(product(w, derivative(x)), product(derivative(w), x))[:-1] for x in self._preimage)
 
     @cached_property
     def _kernel(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Everything the scalar kernel needs, flat: one attribute access a call."""
-        (x, y, z), e = self._preimage, self.e
-        return (*x, *y, *z, *e), tuple(c for p in self._position for c in p)
+        cubic = (c for p in self._preimage for c in (*p, 0.0, 0.0)[:4])
+        return (*cubic, *self.e), tuple(c for p in self._position for c in (*p, 0.0, 0.0)[:8])
+
+    @cached_property
+    def _arc_padded(self) -> Poly:
+        """The arc length's coefficients from the first power to the seventh."""
+        return (*self._arc[1:], 0.0, 0.0)[:7]
 
     @cached_property
     def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -94,19 +99,22 @@ class Curve:
         return horner(self._arc, t), t, 1.0 / np.maximum(horner(self._sigma, t), 1e-9 * self.length_m)
 
     @cached_property
-    def _starts(self) -> tuple[float, tuple[float, ...]]:
-        """(1 / spacing, t at equidistant s): the scalar kernel's start of the inversion."""
+    def _starts(self) -> tuple[float, tuple[tuple[float, ...], ...]]:
+        """(1 / spacing, cubics t(u) between equidistant s, u in [0, 1], and their ends): the scalar kernel's start of the inversion."""
         s = np.linspace(0.0, self.length_m, TABLE + 1)
         t = self._parameter(s)
-        return TABLE / self.length_m, (*t.tolist(), 1.0)
+        slope = s[1] / np.maximum(horner(self._sigma, t), 1e-9 * self.length_m)
+        low, high, left, right = t[:-1], t[1:], slope[:-1], slope[1:]
+        rise = high - low
+        rows = np.stack([low, left, 3.0 * rise - 2.0 * left - right, left + right - 2.0 * rise, high], axis=1)
+        return TABLE / self.length_m, tuple(map(tuple, rows.tolist()))
 
     # ---- scalars ----------------------------
 
     @cached_property
     def length_m(self) -> float:
         """Arc length, exact: the integral of a polynomial."""
-        a0, a1, a2 = self.a0, self.a1, self.a2
-        return (dot(a0, a0) + dot(a0, a1) + (2.0 * dot(a1, a1) + dot(a0, a2)) / 3.0 + dot(a1, a2) + dot(a2, a2)) / 5.0
+        return math.fsum(self._arc)
 
     @cached_property
     def min_speed(self) -> float:
@@ -120,11 +128,11 @@ class Curve:
         rho = total([product(x, x) for x in self._bend])
         sigma = self._sigma
         rising = difference(product(derivative(rho), sigma), product(rho, tuple(4.0 * c for c in derivative(sigma))))
-        t = extremum_candidates(rising)  # d(curvature^2)/dt = 0, degree 7
+        t = extremum_candidates(rising)  # d(curvature^2)/dt = 0
         return float((2.0 * np.sqrt(np.maximum(horner(rho, t), 0.0)) / horner(sigma, t) ** 2).max())
 
     def max_curvature(self) -> float:
-        """Largest curvature, 1/m, exact (roots of a polynomial of degree 7); inf where the parameter speed vanishes."""
+        """Largest curvature, 1/m, exact (roots of a polynomial); inf where the parameter speed vanishes."""
         return self._max_curvature
 
     @property
@@ -144,27 +152,29 @@ class Curve:
 
     def parameter(self, s_m: float) -> float:
         """Parameter t in [0, 1] at arc length ``s_m``, to 1e-12 of the length."""
+        s_m = float(s_m)  # a numpy scalar would make every sum below ten times slower
         if not s_m > 0.0:
             return 0.0
         if s_m >= self.length_m:
             return 1.0
         per_m, starts = self._starts
-        _, c1, c2, c3, c4, c5 = self._arc
+        c1, c2, c3, c4, c5, c6, c7 = self._arc_padded
         place = s_m * per_m
-        i = int(place)
-        low, high = starts[i], starts[i + 1]
-        t = low + (place - i) * (high - low)
+        i = min(int(place), TABLE - 1)
+        u = place - i
+        low, k1, k2, k3, high = starts[i]
+        t = min(max(((k3 * u + k2) * u + k1) * u + low, low), high)
         for _ in range(60):
-            ds = ((((c5 * t + c4) * t + c3) * t + c2) * t + c1) * t - s_m
+            ds = ((((((c7 * t + c6) * t + c5) * t + c4) * t + c3) * t + c2) * t + c1) * t - s_m
             if ds > 0.0:
                 high = t
             else:
                 low = t
-            slope = (((5.0 * c5 * t + 4.0 * c4) * t + 3.0 * c3) * t + 2.0 * c2) * t + c1
+            slope = (((((7.0 * c7 * t + 6.0 * c6) * t + 5.0 * c5) * t + 4.0 * c4) * t + 3.0 * c3) * t + 2.0 * c2) * t + c1
             new = t - ds / slope if slope > 0.0 else 0.5 * (low + high)
             if not low <= new <= high:
                 new = 0.5 * (low + high)
-            if abs(new - t) < 1e-9:  # Newton doubles the digits: the step after this one would be rounding
+            if abs(new - t) < 3e-8:  # Newton doubles the digits: the step after this one would be rounding
                 return new
             t = new
         return t
@@ -177,17 +187,17 @@ class Curve:
         """
         t = self.parameter(s_m)
         preimage, position = self._kernel
-        x0, x1, x2, y0, y1, y2, z0, z1, z2, ex, ey, ez = preimage
-        p0, p1, p2, p3, p4, p5, q0, q1, q2, q3, q4, q5, r0, r1, r2, r3, r4, r5 = position
-        ax, ay, az = (x2 * t + x1) * t + x0, (y2 * t + y1) * t + y0, (z2 * t + z1) * t + z0
-        dx, dy, dz = 2.0 * x2 * t + x1, 2.0 * y2 * t + y1, 2.0 * z2 * t + z1
+        x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3, ex, ey, ez = preimage
+        p0, p1, p2, p3, p4, p5, p6, p7, q0, q1, q2, q3, q4, q5, q6, q7, r0, r1, r2, r3, r4, r5, r6, r7 = position
+        ax, ay, az = ((x3 * t + x2) * t + x1) * t + x0, ((y3 * t + y2) * t + y1) * t + y0, ((z3 * t + z2) * t + z1) * t + z0
+        dx, dy, dz = (3.0 * x3 * t + 2.0 * x2) * t + x1, (3.0 * y3 * t + 2.0 * y2) * t + y1, (3.0 * z3 * t + 2.0 * z2) * t + z1
         w = ax * ex + ay * ey + az * ez
         dw = dx * ex + dy * ey + dz * ez
         sigma = ax * ax + ay * ay + az * az
         point = (
-            ((((p5 * t + p4) * t + p3) * t + p2) * t + p1) * t + p0,
-            ((((q5 * t + q4) * t + q3) * t + q2) * t + q1) * t + q0,
-            ((((r5 * t + r4) * t + r3) * t + r2) * t + r1) * t + r0,
+            (((((((p7 * t + p6) * t + p5) * t + p4) * t + p3) * t + p2) * t + p1) * t + p0),
+            (((((((q7 * t + q6) * t + q5) * t + q4) * t + q3) * t + q2) * t + q1) * t + q0),
+            (((((((r7 * t + r6) * t + r5) * t + r4) * t + r3) * t + r2) * t + r1) * t + r0),
         )
         if not sigma > 0.0:
             return point, self.e, (0.0, 0.0, 0.0)
@@ -229,7 +239,7 @@ class Curve:
             slope = horner(self._sigma, t)
             new = t - error / np.where(slope > 0.0, slope, math.inf)
             new = np.where((new < low) | (new > high) | (slope <= 0.0), 0.5 * (low + high), new)
-            done = bool((np.abs(new - t) < 1e-9).all())
+            done = bool((np.abs(new - t) < 3e-8).all())
             t = new
             if done:
                 break

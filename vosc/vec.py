@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 Vec = tuple[float, float, float]
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.intp]
 
 LARGEST = 1e30  # fourth powers of what is accepted still fit into a float, so no formula can overflow into inf - inf
 SMALLEST_SINE = 1e-12  # two directions closer than this are parallel: the plane through them is rounding noise

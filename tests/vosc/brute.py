@@ -10,7 +10,7 @@ def forbidden(own, obstacles, velocities):
         p = np.subtract(o.pos_m, own.pos_m)
         w = velocities - np.array(o.vel_mps)
         closing = w @ p
-        square = (w * w).sum(axis=1)
+        square = np.einsum("ij,ij->i", w, w)
         miss2 = p @ p - closing**2 / np.where(square > 1e-20, square, np.inf)
         hit |= (closing > 0) & (miss2 < o.radius_m**2)
     return hit
@@ -31,7 +31,7 @@ def around(own):
     return velocity
 
 
-def least_turn(own, obstacles, rays=720, rings=160, keep=8):
+def least_turn(own, obstacles, rays=360, rings=100, keep=6):
     """Least angle (rad) by which the velocity must turn to be free, or None.
 
     First free ring on many bearings, then a zoom round the best bearings: narrower in bearing, finer in the turn, all of them at once.

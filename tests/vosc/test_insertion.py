@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from vosc import Obstacle, Own, insertion_point
+from vosc.insertion import major_obstacle
 
 
 def test_single_case_reproduces_the_printed_point(table_1):
@@ -98,7 +99,18 @@ def test_own_at_rest_has_none():
     assert insertion_point(Own((0, 0, 0), (0, 0, 0)), Obstacle((100, 5, 0), (3, 0, 0), 20)) is None
 
 
-@pytest.mark.parametrize(("options", "message"), [({"k": 0.5}, "k: give"), ({"k": math.nan}, "k: give"), ({"time_rule": "soon"}, "time_rule: 'arrival'")])
+@pytest.mark.parametrize(
+    ("options", "message"), [({"k": 0.5}, "k: give"), ({"k": math.nan}, "k: give"), ({"time_rule": "soon"}, "time_rule: 'arrival'")]
+)
 def test_bad_options_say_what_to_do(table_1, options, message):
     with pytest.raises(ValueError, match=message):
         insertion_point(*table_1("azimuth_106"), **options)
+
+
+def test_major_obstacle_is_the_one_with_the_least_time_of_section_4_3_2():
+    own = Own((0, 0, 0), (50, 0, 0))
+    near, fast, still = Obstacle((60, 0, 0), (0, 10, 0), 20), Obstacle((200, 0, 0), (-90, 0, 0), 20), Obstacle((30, 0, 0), (0, 0, 0), 5)
+    assert major_obstacle(own, [near, fast, still]) == (1, 2.0)
+    assert major_obstacle(own, [near, still]) == (0, 4.0)
+    assert major_obstacle(own, [still]) is None
+    assert major_obstacle(own, []) is None

@@ -39,7 +39,8 @@ def curve_of(drawn, away_from_reversal=True):
         assume(unit(t0) @ unit(t1) > -0.95)
     size = np.linalg.norm(chord)
     p0 = np.array([1.0, -2.0, 3.0])
-    return ph.hermite(p0, lam0 * size * unit(t0), p0 + chord, lam1 * size * unit(t1)), p0, lam0 * size * unit(t0), p0 + chord, lam1 * size * unit(t1)
+    d0, p1, d1 = lam0 * size * unit(t0), p0 + chord, lam1 * size * unit(t1)
+    return ph.hermite(p0, d0, p1, d1), p0, d0, p1, d1
 
 
 def bernstein(curve):
@@ -47,12 +48,13 @@ def bernstein(curve):
 
     def times(p, q):
         (a, b, c, d), (e, f, g, h) = p, q
-        return np.array([a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e])
+        real, i = a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g
+        return np.array([real, i, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e])
 
-    axis = np.array([0.0, *curve.e])
+    axis, b = np.array([0.0, *curve.e]), np.array(curve.a)
 
     def velocity(t):
-        a = np.array([0.0, *(np.array(curve.a0) * (1 - t) ** 2 + 2 * np.array(curve.a1) * t * (1 - t) + np.array(curve.a2) * t * t)])
+        a = np.array([0.0, *(b[0] * (1 - t) ** 2 + 2 * b[1] * t * (1 - t) + b[2] * t * t)])
         return times(times(a, axis), a * (1, -1, -1, -1))[1:]
 
     return velocity
@@ -94,7 +96,7 @@ def test_length_and_point_to_thirty_digits():
     curve = original_path()
     with mpmath.workdps(30):
         e = [mpmath.mpf(x) for x in curve.e]
-        rows = [[mpmath.mpf(x) for x in a] for a in (curve.a0, curve.a1, curve.a2)]
+        rows = [[mpmath.mpf(x) for x in a] for a in curve.a]
 
         def velocity(t):
             a = [rows[0][k] * (1 - t) ** 2 + 2 * rows[1][k] * t * (1 - t) + rows[2][k] * t * t for k in range(3)]
@@ -128,7 +130,8 @@ def test_tangent_and_curvature_are_the_derivatives_of_the_point(drawn, share):
     _, tangent, bend = curve.frame(s)
     scale = curve.max_curvature()
     np.testing.assert_allclose(tangent, first, atol=1e-6 * max(1.0, (scale * curve.length_m) ** 4))
-    np.testing.assert_allclose(np.array(bend) * curve.length_m, second * curve.length_m, atol=2e-5 * max(1.0, (scale * curve.length_m) ** 5))
+    tolerance = 2e-5 * max(1.0, (scale * curve.length_m) ** 5)
+    np.testing.assert_allclose(np.array(bend) * curve.length_m, second * curve.length_m, atol=tolerance)
     assert math.hypot(*tangent) == pytest.approx(1.0, abs=1e-12)
     assert np.dot(tangent, bend) == pytest.approx(0.0, abs=1e-9 * max(1.0, scale))
     assert curve.curvature(s) == pytest.approx(math.hypot(*bend))
@@ -190,7 +193,8 @@ def test_reverses_with_the_data(drawn):
     assume(curve.min_speed > 0.01)
     back = ph.hermite(p1, -d1, p0, -d0)
     share = np.linspace(0, 1, 9)
-    np.testing.assert_allclose(back.sample(share * back.length_m)[0], curve.sample((1 - share) * curve.length_m)[0], atol=1e-7 * (10 + curve.length_m))
+    expected = curve.sample((1 - share) * curve.length_m)[0]
+    np.testing.assert_allclose(back.sample(share * back.length_m)[0], expected, atol=1e-7 * (10 + curve.length_m))
 
 
 @given(data)
@@ -244,9 +248,9 @@ def test_nearest_is_the_nearest_of_many(drawn, offsets):
     at = np.array([curve.frame(x)[0] for x in s])
     np.testing.assert_allclose(np.linalg.norm(at - points, axis=1), distance, atol=1e-9)
     for point, place, found in zip(points, brute.argmin(axis=1), distance, strict=True):
-        refined = minimize_scalar(
-            lambda x, point=point: math.dist(curve.frame(x)[0], point), bounds=((place - 1) * step, (place + 1) * step), method="bounded", options={"xatol": 1e-12}
-        )
+        bounds = ((place - 1) * step, (place + 1) * step)
+        options = {"xatol": 1e-12}
+        refined = minimize_scalar(lambda x, p=point: math.dist(curve.frame(x)[0], p), bounds=bounds, method="bounded", options=options)
         assert found <= refined.fun + 1e-9
 
 

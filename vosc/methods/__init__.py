@@ -15,6 +15,7 @@ Status of an answer, the same for all methods (the margin is measured against th
 =====================  ================================================================================================
 """
 
+import inspect
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -26,12 +27,13 @@ from vosc.methods.differential_geometry import differential_geometry
 from vosc.methods.droam import droam_hp, droam_vp
 from vosc.methods.least_deflection import least_deflection
 from vosc.methods.none import none
+from vosc.methods.orca import orca
 from vosc.methods.planes import planes, random_planes
 from vosc.methods.potential_field import potential_field
 from vosc.methods.scoam import scoam
 from vosc.vec import FloatArray, array, deflection
 
-__all__ = ["MARGIN_RAD", "METHODS", "Avoidance", "Choice", "Method", "avoid"]
+__all__ = ["MARGIN_RAD", "METHODS", "OPTIONS", "Avoidance", "Choice", "Method", "avoid"]
 
 Method = Callable[..., Choice]
 
@@ -45,6 +47,11 @@ METHODS: Final[dict[str, Method]] = {
     "random_planes": random_planes,
     "potential_field": potential_field,
     "differential_geometry": differential_geometry,
+    "orca": orca,
+}
+
+OPTIONS: Final[dict[str, frozenset[str]]] = {
+    name: frozenset(list(inspect.signature(method).parameters)[2:]) for name, method in METHODS.items()
 }
 
 MARGIN_RAD = 1e-9  # a velocity this far inside a cone still counts as on it: critical velocities lie on cones by construction
@@ -67,10 +74,13 @@ class Avoidance:
 def avoid(name: str, own: Own, obstacles: Sequence[Obstacle], **options: Any) -> Avoidance:
     """The velocity that method ``name`` commands against ``obstacles``; never NaN, never an exception for a physical input.
 
-    ``ValueError`` for a name not in ``METHODS``, ``TypeError`` for an option the method does not have.
+    ``ValueError`` for a name not in ``METHODS``, an option the method does not have, or a value it does not take.
     """
     if name not in METHODS:
         raise ValueError(f"no avoidance method '{name}'; there are: {', '.join(METHODS)}")
+    if not options.keys() <= OPTIONS[name]:
+        unknown = ", ".join(sorted(options.keys() - OPTIONS[name]))
+        raise ValueError(f"method '{name}' has no option {unknown}; it has: {', '.join(sorted(OPTIONS[name])) or 'none'}")
     obstacles = tuple(obstacles)
     present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in obstacles), default=math.inf)
     if any(math.dist(own.pos_m, o.pos_m) < o.radius_m for o in obstacles):

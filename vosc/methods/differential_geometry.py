@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from vosc.cone import exact_cones
 from vosc.encounter import Obstacle, Own, threat
 from vosc.methods.choice import Choice, none_free, undefined
-from vosc.turns import circle_in_plane, first_free
+from vosc.turns import circle_in_plane, least_turn
 from vosc.vec import right_of, sub, unit
 
 
@@ -29,10 +29,5 @@ def differential_geometry(own: Own, obstacles: Sequence[Obstacle]) -> Choice:
     circle = circle_in_plane(own.vel_mps, sight) or circle_in_plane(own.vel_mps, right_of(unit(own.vel_mps)))
     if circle is None:
         return undefined(own)
-    cones = exact_cones(own, [first])
-    turns = [(omega, sense) for sense in (1, -1) if (omega := first_free(cones, circle, sense)) is not None]
-    if not turns:
-        return undefined(own)
-    least = min(omega for omega, _ in turns)
-    omega, sense = next(t for t in turns if t[0] <= least + 1e-12)
-    return Choice(circle.at(sense * omega), "avoided")
+    found = least_turn(exact_cones(own, [first]), [circle], (1, -1))
+    return undefined(own) if found is None else Choice(found, "avoided")

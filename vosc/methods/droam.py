@@ -11,31 +11,31 @@ from collections.abc import Sequence
 from vosc.cone import exact_cones
 from vosc.encounter import Obstacle, Own
 from vosc.methods.choice import Choice, none_free, undefined
-from vosc.turns import Circle, first_free, level_circle, vertical_circle
+from vosc.turns import Circle, least_turn, level_circle, vertical_circle
 
 
 def _best(own: Own, obstacles: Sequence[Obstacle], circle: Circle, senses: tuple[int, ...]) -> Choice:
-    cones = exact_cones(own, obstacles)
-    turns = [(omega, -sense) for sense in senses if (omega := first_free(cones, circle, sense)) is not None]
-    if not turns:
-        return undefined(own) if own.vel_mps != (0.0, 0.0, 0.0) else none_free(own)
-    omega, back = min(turns)
-    return Choice(circle.at(-back * omega), "avoided")
+    if own.vel_mps == (0.0, 0.0, 0.0):
+        return none_free(own)
+    found = least_turn(exact_cones(own, obstacles), [circle], senses)
+    return undefined(own) if found is None else Choice(found, "avoided")
 
 
 def droam_hp(own: Own, obstacles: Sequence[Obstacle], side: str = "least") -> Choice:
-    """The least azimuth change at constant climb angle that leaves every cone, to ``side`` = ``left``, ``right`` or ``least``.
+    """The least azimuth change at constant climb angle that leaves every cone, to ``side`` = ``left``, ``right`` or ``least``
+    (right if equal).
 
     ``undefined`` when no azimuth is free, as for a vertical velocity.
     """
-    senses = {"least": (1, -1), "left": (1,), "right": (-1,)}
+    senses = {"least": (-1, 1), "left": (1,), "right": (-1,)}
     if side not in senses:
         raise ValueError(f"side: 'least', 'left' or 'right', got {side!r}")
     return _best(own, obstacles, level_circle(own.vel_mps), senses[side])
 
 
 def droam_vp(own: Own, obstacles: Sequence[Obstacle], side: str = "least") -> Choice:
-    """The least change of climb angle in the vertical plane of v_u that leaves every cone, to ``side`` = ``up``, ``down`` or ``least``.
+    """The least change of climb angle in the vertical plane of v_u that leaves every cone, to ``side`` = ``up``, ``down`` or
+    ``least`` (up if equal).
 
     The turn may go over the vertical. ``undefined`` when no direction of the plane is free, and for a vertical velocity, which has
     no such plane.

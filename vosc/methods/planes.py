@@ -14,20 +14,13 @@ import numpy as np
 from vosc.cone import Cone, exact_cones
 from vosc.encounter import Obstacle, Own
 from vosc.methods.choice import Choice, none_free, undefined
-from vosc.turns import first_free, great_circle
+from vosc.turns import great_circle, least_turn
 from vosc.vec import Vec, combine, cross, perpendicular, right_of, unit
 
 
 def _least_of(own: Own, cones: Sequence[Cone], normals: Sequence[Vec]) -> Choice:
-    best: tuple[float, Vec] | None = None
-    for normal in normals:
-        circle = great_circle(own.vel_mps, normal)
-        for sense in (1, -1):
-            limit = math.pi if best is None else best[0]
-            omega = first_free(cones, circle, sense, limit)
-            if omega is not None and (best is None or omega < best[0] - 1e-12):
-                best = (omega, circle.at(sense * omega))
-    return undefined(own) if best is None else Choice(best[1], "avoided")
+    found = least_turn(cones, [great_circle(own.vel_mps, normal) for normal in normals], (-1, 1))
+    return undefined(own) if found is None else Choice(found, "avoided")
 
 
 def _normals(velocity: Vec, roll_rad: Sequence[float]) -> list[Vec]:

@@ -1,4 +1,4 @@
-"""SCOAM, the paper's own method: the relative velocity is rotated out of the cone (sections 3.2.1, 4.1); several obstacles by their caps (4.2)."""
+"""SCOAM, the paper's own method: rotate the relative velocity out of the cone (3.2.1, 4.1); several obstacles by their caps (4.2)."""
 
 from collections.abc import Sequence
 

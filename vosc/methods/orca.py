@@ -1,0 +1,130 @@
+"""ORCA: one half-space of velocities per obstacle, and the velocity nearest to the present one in all of them.
+
+van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, Springer Tracts in Advanced Robotics 70 (2011) 3; the
+three-dimensional half-spaces as in the authors' RVO2-3D. Each of two reciprocal agents takes half of the correction; against an
+obstacle that does not react half is not enough, so the default here is the whole of it (``responsibility=1``).
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from vosc.cone import Cone
+from vosc.encounter import Obstacle, Own, relative_velocity
+from vosc.free import nearest_free
+from vosc.methods.choice import Choice, undefined
+from vosc.vec import Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
+
+
+class HalfSpace(NamedTuple):
+    """Velocities v with v . normal >= offset."""
+
+    normal: Vec
+    offset: float
+
+
+def half_space(own: Own, obstacle: Obstacle, responsibility: float, horizon_s: float) -> HalfSpace:
+    """The ORCA constraint of one obstacle, seen from outside its sphere."""
+    p = sub(obstacle.pos_m, own.pos_m)
+    r, rate = obstacle.radius_m, 1.0 / horizon_s
+    v, _ = relative_velocity(own.vel_mps, obstacle.vel_mps)
+    w = along(v, -rate, p)
+    size, ahead = norm(w), dot(w, p)
+    if ahead < 0.0 and ahead * ahead > r * r * size * size:  # nearest to the cut-off sphere p / tau (its centre alone when tau is infinite)
+        normal, reach = scale(1.0 / size, w), r * rate - size
+    else:
+        distance2, b = dot(p, p), dot(p, v)
+        across = cross(p, v)
+        tangent2 = max(distance2 - r * r, 1e-12 * distance2)
+        t = (b + math.sqrt(max(b * b - distance2 * (dot(v, v) - dot(across, across) / tangent2), 0.0))) / distance2
+        off = along(v, -t, p)
+        size = norm(off)
+        axis = unit(p)
+        centred = size <= 1e-12 * max(norm(v), t * math.sqrt(distance2))
+        normal = perpendicular(axis, own.vel_mps, right_of(axis)) if centred else scale(1.0 / size, off)
+        if centred:  # on the axis every way out is equal: along the generatrix on that side
+            sine = r / math.sqrt(distance2)
+            normal = combine(math.sqrt(max(1.0 - sine * sine, 0.0)), normal, -sine, axis)
+            size, t = 0.0, 0.0
+            return HalfSpace(normal, dot(normal, own.vel_mps) + responsibility * norm(v) * sine)
+        reach = r * t - size
+    return HalfSpace(normal, dot(normal, own.vel_mps) + responsibility * reach)
+
+
+def nearest_in_ball(spaces: Sequence[HalfSpace], wanted: Vec, radius: float) -> Vec | None:
+    """The point nearest to ``wanted`` in all half-spaces and in the ball round the origin; ``None`` if they have no common point.
+
+    Constraints are added one at a time, the most violated first; each small problem is solved by trying every set of active constraints.
+    """
+    active: list[HalfSpace] = []
+    while True:
+        point = _by_enumeration(active, wanted, radius)
+        if point is None:
+            return None
+        worst = min(spaces, key=lambda h: dot(h.normal, point) - h.offset, default=None)
+        if worst is None or worst in active or dot(worst.normal, point) - worst.offset >= -1e-12 * max(radius, 1e-300):
+            return point
+        active.append(worst)
+
+
+def _by_enumeration(spaces: Sequence[HalfSpace], wanted: Vec, radius: float) -> Vec | None:
+    candidates: list[Vec] = [wanted] if norm(wanted) <= radius else []
+    for count in range(4):
+        for chosen in itertools.combinations(spaces, count):
+            candidates += _on(chosen, wanted, radius)
+    slack = 1e-9 * max(radius, 1e-300)
+    fits = [c for c in candidates if norm(c) <= radius + slack and all(dot(h.normal, c) >= h.offset - slack for h in spaces)]
+    return min(fits, key=lambda c: norm(sub(c, wanted)), default=None)
+
+
+def _on(planes: Sequence[HalfSpace], wanted: Vec, radius: float) -> list[Vec]:
+    """Points of the intersection of the planes that can be nearest: the projection of ``wanted``, and those on the ball's surface."""
+    base: Vec = (0.0, 0.0, 0.0)
+    axes: list[Vec] = []
+    for plane in planes:  # Gram-Schmidt: the intersection is base + everything perpendicular to the axes
+        rest = plane.normal
+        for a in axes:
+            rest = along(rest, -dot(rest, a), a)
+        size = norm(rest)
+        if size < 1e-9:
+            return []
+        a = scale(1.0 / size, rest)
+        base = along(base, (plane.offset - dot(plane.normal, base)) / size, a)
+        axes.append(a)
+    left = wanted
+    for a in axes:
+        left = along(left, -dot(left, a), a)
+    found = [(base[0] + left[0], base[1] + left[1], base[2] + left[2])]
+    room = radius * radius - dot(base, base)
+    if room >= 0.0 and len(planes) < 3 and norm(left) > 0.0:
+        found.append(along(base, math.sqrt(room) / norm(left), left))
+    return found
+
+
+def orca(
+    own: Own, obstacles: Sequence[Obstacle], responsibility: float = 1.0, horizon_s: float = math.inf, keep_speed: bool = True
+) -> Choice:
+    """The velocity nearest to v_u that satisfies every half-space.
+
+    ``responsibility`` 1 takes the whole correction, 0.5 is the reciprocal half. ``horizon_s`` cuts the velocity obstacle off beyond
+    that time. ``keep_speed`` asks for the present speed exactly, as a fixed-wing aircraft does; without it every speed up to the
+    present one is allowed, as in the original. ``undefined`` when the half-spaces have no common point of that speed.
+    ``ValueError`` for a responsibility outside (0, 1] or a horizon that is not above 0.
+    """
+    if not 0.0 < responsibility <= 1.0:
+        raise ValueError(f"responsibility: give a share in (0, 1], got {responsibility}")
+    if not horizon_s > 0.0:
+        raise ValueError(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
+    spaces = [half_space(own, o, responsibility, horizon_s) for o in obstacles]
+    speed = norm(own.vel_mps)
+    if not keep_speed:
+        point = nearest_in_ball(spaces, own.vel_mps, speed)
+        return undefined(own) if point is None else Choice(point, "avoided")
+    if speed == 0.0 or any(h.offset > speed for h in spaces):
+        return undefined(own)
+    # a half-space forbids the velocities within a circle round the opposite of its normal
+    circles = [h for h in spaces if h.offset > -speed]
+    forbidden = [Cone((0.0, 0.0, 0.0), scale(-1.0, h.normal), -h.offset / speed, math.sqrt(1.0 - (h.offset / speed) ** 2)) for h in circles]
+    found = nearest_free(forbidden, speed, own.vel_mps)
+    return undefined(own) if found is None else Choice(found, "avoided")
