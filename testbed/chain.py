@@ -9,7 +9,8 @@ from vosc import ph
 
 Array = np.ndarray
 FEW = 8  # up to this many pieces are all searched for the nearest point; of more, those about a guess
-NEWTON_STEPS = 12
+NEWTON_STEPS, FEW_NEWTON_STEPS = 12, 2
+SETTLED_M = 1e-2  # a last step this short leaves an error of curvature times its square
 
 
 class Chain:
@@ -54,8 +55,9 @@ class Chain:
     def nearest(self, points: Array, guess_s_m: Array | None = None) -> tuple[Array, Array]:
         """Arc lengths (n,) of the nearest points, and the distances (n,), m; past the end the straight line counts.
 
-        Of a chain of more than eight pieces (a racetrack passes the same place on every lap) the point nearest to ``guess_s_m``
-        (n,) is meant, and a guess must be given. A point that is not finite has NaN for both.
+        ``guess_s_m`` (n,), where there is one, is where to look first: Newton's method from there settles the points close to the
+        path, and the whole path is searched for the others. Of a chain of more than eight pieces (a racetrack passes the same place
+        on every lap) the point nearest to the guess is meant, and one must be given. What is not finite has NaN for both.
         """
         points = np.asarray(points, dtype=float)
         good = np.isfinite(points).all(axis=1)
@@ -64,11 +66,15 @@ class Chain:
             if good.any():
                 s_m[good], distance[good] = self.nearest(points[good], None if guess_s_m is None else guess_s_m[good])
             return s_m, distance
-        if len(self.curves) <= FEW:
-            return self._global(points)
+        many = len(self.curves) > FEW
         if guess_s_m is None:
-            raise ValueError(f"guess_s_m: needed for a chain of {len(self.curves)} pieces")
-        return self._local(points, np.array(guess_s_m, dtype=float))
+            if many:
+                raise ValueError(f"guess_s_m: needed for a chain of {len(self.curves)} pieces")
+            return self._global(points)
+        s_m, distance, settled = self._local(points, np.array(guess_s_m, dtype=float), NEWTON_STEPS if many else FEW_NEWTON_STEPS)
+        if not many and not settled.all():
+            s_m[~settled], distance[~settled] = self._global(points[~settled])
+        return s_m, distance
 
     def _global(self, points: Array) -> tuple[Array, Array]:
         found = [curve.nearest(points) for curve in self.curves]
@@ -83,14 +89,21 @@ class Chain:
         past = (beyond > 0.0) & (aside < distance)
         return np.where(past, self.length_m + beyond, s_m), np.where(past, aside, distance)
 
-    def _local(self, points: Array, s_m: Array) -> tuple[Array, Array]:
-        """Newton's method on the foot of the perpendicular, from the guess."""
-        for _ in range(NEWTON_STEPS):
+    def _local(self, points: Array, s_m: Array, steps: int) -> tuple[Array, Array, Array]:
+        """Newton's method on the foot of the perpendicular, from a guess.
+
+        Settled is what no longer moves and lies within half the least radius of the path, where no other foot is nearer unless the
+        path itself comes back to that place.
+        """
+        step = np.zeros(len(s_m))
+        for _ in range(steps):
             place, tangent, curvature = self.sample(s_m)
             offset = points - place
             slope = np.maximum(1.0 - np.einsum("ij,ij->i", offset, curvature), 0.25)
-            s_m = np.maximum(0.0, s_m + np.einsum("ij,ij->i", offset, tangent) / slope)
-        return s_m, np.linalg.norm(points - self.sample(s_m)[0], axis=1)
+            after = np.maximum(0.0, s_m + np.einsum("ij,ij->i", offset, tangent) / slope)
+            s_m, step = after, after - s_m
+        distance = np.linalg.norm(points - self.sample(s_m)[0], axis=1)
+        return s_m, distance, (np.abs(step) < SETTLED_M) & (distance * self.max_curvature() < 0.5)
 
     def max_curvature(self) -> float:
         """Greatest curvature of any piece, 1/m."""

@@ -87,6 +87,16 @@ def test_nearest_against_a_fine_search(pieces: int) -> None:
             assert found[k] == pytest.approx(brute.argmin() * chain.length_m / 200_000, abs=0.1)
 
 
+def test_a_guess_saves_time_and_changes_nothing() -> None:
+    chain = Chain([ph.hermite((0, 0, 0), (500, 200, 60), (500, 100, 50), (500, -100, 0))])
+    rng = np.random.default_rng(8)
+    s = rng.uniform(0.0, chain.length_m, 300)
+    points = chain.sample(s)[0] + rng.normal(size=(300, 3)) * rng.choice([0.1, 3.0, 80.0], (300, 1))
+    guessed, found = chain.nearest(points, s + rng.uniform(-0.5, 0.5, 300)), chain.nearest(points)
+    assert np.allclose(guessed[0], found[0], atol=1e-4)
+    assert np.allclose(guessed[1], found[1], atol=1e-7)
+
+
 def test_nearest_past_the_end_and_not_finite() -> None:
     chain = Chain([ph.hermite((0, 0, 0), (100, 0, 0), (100, 0, 0), (100, 0, 0))])
     s, distance = chain.nearest(np.array([[40.0, 3.0, 4.0], [112.0, 0.0, 2.0], [np.nan, 0.0, 0.0]]))

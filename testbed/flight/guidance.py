@@ -3,9 +3,9 @@
     a = -w^2 e - 2 z w de/dt - integral + v^2 kappa(s + v T)
 
 e is the 3-D offset from the nearest point of the path and v the ground velocity, so wind becomes crab without any estimate of
-it. The look-ahead T makes up for the lag from command to bank (sideways) and to load factor (up). The acceleration is turned
-into bank and load factor in the left and up normals of the ground velocity. Memory goes in and comes out; the telemetry row
-is returned with the command.
+it. All of it is taken along the left and up normals of the ground velocity, where lift can act. The look-ahead T makes up for
+the lag from command to bank (sideways) and to load factor (up). Memory goes in and comes out; the telemetry row is returned with
+the command.
 """
 
 import math
@@ -24,13 +24,12 @@ STEEPEST_RETURN = 0.5  # sine of the angle at which a far-off path is approached
 
 
 class Memory(NamedTuple):
-    """Arc length of the last projection, where the schedule has the aircraft, and the integral of the error (ENU, m/s^2)."""
+    """Arc length of the last projection, where the schedule has the aircraft, and the integral of the error, left and up (m/s^2)."""
 
     s_m: float
     scheduled_s_m: float
-    ix: float = 0.0
-    iy: float = 0.0
-    iz: float = 0.0
+    left: float = 0.0
+    up: float = 0.0
 
 
 class Telemetry(NamedTuple):
@@ -120,36 +119,31 @@ class LookAheadLaw:
         h = 0.5 * d
         ex, ey, ez = x - px - (tx + kx * h) * d, y - py - (ty + ky * h) * d, z - pz - (tz + kz * h) * d
         tx, ty, tz = tx + kx * d, ty + ky * d, tz + kz * d
-        along = ex * tx + ey * ty + ez * tz
-        s += along
-        ex, ey, ez = ex - along * tx, ey - along * ty, ez - along * tz
+        s += ex * tx + ey * ty + ez * tz
         v_along = vx * tx + vy * ty + vz * tz
-        rx, ry, rz = vx - v_along * tx, vy - v_along * ty, vz - v_along * tz
-
         v_on = v_along if v_along > 0.0 else 0.0
         ahead, lift_ahead, power_ahead = path.rows_at(s + v_on * self._bank_lead, s + v_on * self._lift_lead, s + v_on * self._power_lead)
-        v2 = v_along * v_along
-        c = self._damping
-        k = self._stiffness
-        if (far := k * math.sqrt(ex * ex + ey * ey + ez * ez)) > (most := c * STEEPEST_RETURN * speed):
-            k *= most / far
-        bx = -k * ex - c * rx - memory.ix
-        by = -k * ey - c * ry - memory.iy
-        bz = -k * ez - c * rz - memory.iz
 
-        # left and up normals of the ground velocity
-        left = ((bx + v2 * ahead[6]) * -vy + (by + v2 * ahead[7]) * vx) / flat
-        ax, ay, az = bx + v2 * lift_ahead[6], by + v2 * lift_ahead[7], bz + v2 * lift_ahead[8]
-        up = (az * flat - vz * (ax * vx + ay * vy) / flat) / speed + G0_MPS2 * flat / speed
+        # components along the left (lx, ly, 0) and up (ux, uy, uz) normals of the ground velocity, which has none itself
+        lx, ly = -vy / flat, vx / flat
+        ux, uy, uz = -vz * ly / speed, vz * lx / speed, flat / speed
+        e_left, e_up = ex * lx + ey * ly, ex * ux + ey * uy + ez * uz
+        c, k = self._damping, self._stiffness
+        if (far := k * math.sqrt(e_left * e_left + e_up * e_up)) > (most := c * STEEPEST_RETURN * speed):
+            k *= most / far
+        damp, v2 = c * v_along, v_along * v_along
+        left = damp * (tx * lx + ty * ly) - k * e_left - memory.left + v2 * (ahead[6] * lx + ahead[7] * ly)
+        up = damp * (tx * ux + ty * uy + tz * uz) - k * e_up - memory.up + G0_MPS2 * uz
+        up += v2 * (lift_ahead[6] * ux + lift_ahead[7] * uy + lift_ahead[8] * uz)
         bank, load_factor, limited = self._turn.solve(left, up, state)
 
-        gain = 0.0 if limited else self._integral * self._dt
-        bound = INTEGRAL_LIMIT_MPS2
+        i_left, i_up = memory.left, memory.up
+        if not limited:
+            gain, bound = self._integral * self._dt, INTEGRAL_LIMIT_MPS2
+            i_left, i_up = i_left + gain * e_left, i_up + gain * e_up
+            i_left = -bound if i_left < -bound else bound if i_left > bound else i_left
+            i_up = -bound if i_up < -bound else bound if i_up > bound else i_up
         airspeed, scheduled = self._hold.solve(state, speed, memory.scheduled_s_m - s)
-        ix, iy, iz = memory.ix + gain * ex, memory.iy + gain * ey, memory.iz + gain * ez
-        ix = -bound if ix < -bound else bound if ix > bound else ix
-        iy = -bound if iy < -bound else bound if iy > bound else iy
-        iz = -bound if iz < -bound else bound if iz > bound else iz
-        memory = make(Memory, (s + v_along * self._dt, memory.scheduled_s_m + scheduled * self._dt, ix, iy, iz))
+        memory = make(Memory, (s + v_along * self._dt, memory.scheduled_s_m + scheduled * self._dt, i_left, i_up))
         command = make(Command, (bank, load_factor, airspeed, power_ahead[5], 0.0))
         return command, memory, make(Telemetry, (s, bank, load_factor, 1.0 if limited else 0.0))

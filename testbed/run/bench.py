@@ -36,7 +36,7 @@ def bench() -> str:
 
 
 def _plan(aircraft: str) -> FlightPlan:
-    """The paper's encounter as printed (in range, no threat), turned level, at the speed that makes the route last ``FLIGHT_S``."""
+    """The paper's encounter as printed, turned level, at the speed that makes the route last ``FLIGHT_S``; threats are met with nothing."""
     obstacle = {
         "name": "O",
         "radius_m": 25,
@@ -53,6 +53,7 @@ def _plan(aircraft: str) -> FlightPlan:
         "goal_direction_deg": [10.0, 2.84],
     }
     flight = {"route": route, "geometry": "level", "speed_mps": ROUTE_M / FLIGHT_S, "obstacles": [obstacle], "aircraft": aircraft}
+    flight["method"] = {"kind": "none"}
     return FlightPlan.model_validate(who | flight)
 
 

@@ -97,7 +97,7 @@ def test_limits_are_kept_and_flagged() -> None:
     assert abs(command.bank) <= GTM.limits.bank_deg * DEG
     assert GTM.limits.load_factor_min <= command.load_factor <= GTM.limits.load_factor_max
     assert telemetry.saturated == 1.0
-    assert (memory.ix, memory.iy, memory.iz) == (0.0, 0.0, 0.0), "no wind-up at a limit"
+    assert (memory.left, memory.up) == (0.0, 0.0), "no wind-up at a limit"
 
 
 def test_a_slow_aircraft_is_not_asked_for_lift_it_does_not_have() -> None:
