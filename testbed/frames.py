@@ -64,7 +64,7 @@ def euler_from_enu_from_body(enu_from_body: Array) -> Vec3:
 
 
 def enu_from_body(bank: float, pitch: float, heading: float) -> Array:
-    """Rotation (3,3), v_enu = rotation @ v_body, from Euler angles in radians (compass heading). Inverse of ``euler_from_enu_from_body``."""
+    """Rotation (3,3), v_enu = rotation @ v_body, from Euler angles in rad (compass heading). Inverse of ``euler_from_enu_from_body``."""
     (cb, sb), (cp, sp), (ch, sh) = ((math.cos(a), math.sin(a)) for a in (bank, pitch, heading))
     return np.array(
         [
