@@ -22,10 +22,11 @@ class Surfaces(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Integrators."""
+    """Integrators, and the reference of the load factor."""
 
     elevator: float = 0.0
     throttle: float = 0.0
+    load_factor: float = math.nan  # the command, as late as the aircraft answers it
 
 
 class Autopilot:
@@ -37,6 +38,8 @@ class Autopilot:
         self._roll_limit = aircraft.limits.roll_rate_dps * DEG
         self._trim_throttle = trim_throttle
         self._dt = dt_s
+        lag = aircraft.autopilot.load_factor_lag_s
+        self._load_share = 1.0 - math.exp(-dt_s / lag) if lag > 0.0 else 1.0
 
     def step(self, memory: Memory, state: State, command: Command) -> tuple[Surfaces, Memory]:
         g = self._gains
@@ -53,6 +56,8 @@ class Autopilot:
 
         cos_pitch = math.cos(pitch)
         error = command.load_factor - load_factor
+        late = memory.load_factor if memory.load_factor == memory.load_factor else load_factor
+        late += self._load_share * (command.load_factor - late)
         turn = G0_MPS2 / airspeed
         pitch_rate_cmd = turn * (command.load_factor - math.cos(bank) * cos_pitch)
         elevator = -scale * (
@@ -69,10 +74,10 @@ class Autopilot:
 
         throttle, throttle_memory = self._throttle(memory, state, command)
         still = aileron_out == aileron and elevator_out == elevator and rudder_out == rudder
-        grow = elevator_out == elevator  # no wind-up against a stop
-        integral = memory.elevator + (g.elevator_i_1ps * error * self._dt if grow else 0.0)
+        grow = elevator_out == elevator  # no wind-up against a stop; nor in a rise, whose lag is no error
+        integral = memory.elevator + (g.elevator_i_1ps * (late - load_factor) * self._dt if grow else 0.0)
         surfaces = make(Surfaces, (elevator_out, aileron_out, rudder_out, throttle, not still))
-        return surfaces, make(Memory, (integral, throttle_memory))
+        return surfaces, make(Memory, (integral, throttle_memory, late))
 
     def _throttle(self, memory: Memory, state: State, command: Command) -> tuple[float, float]:
         """Feed-forward of climb and acceleration, plus PI on airspeed."""

@@ -26,18 +26,24 @@ def route_pieces(plan: FlightPlan) -> list[Ends]:
     Each is the canonical PH quintic of its ends. Raises ``ValueError`` when there is none.
     """
     route = plan.route
-    match route.shape:
-        case None:
-            return [_between_ends(route)]
-        case Circle() as shape:
+    if route.shape is None:
+        return [_between_ends(route)]
+    return _placed(course(route.shape, stream(plan.seed, plan.replicate, "route")), route)
+
+
+def course(shape: Circle | Racetrack | Swerve | Random, rng: np.random.Generator) -> list[Ends]:
+    """The pieces of a shape, from the origin along +x. Only a random one draws from ``rng``. Raises ``ValueError`` if it cannot."""
+    match shape:
+        case Circle():
             arcs = _arc(shape.radius_m, 2.0 * math.pi * shape.turns)
-        case Racetrack() as shape:
+        case Racetrack():
             arcs = (_arc(shape.radius_m, 0.0, shape.straight_m) + _arc(shape.radius_m, math.pi)) * 2 * shape.laps
-        case Swerve() as shape:
-            return _placed(_swerve(shape), route)
-        case Random() as shape:
-            return _placed(_random(stream(plan.seed, plan.replicate, "route"), shape), route)
-    return _placed(_joined(arcs, 1.0 if shape.side == "left" else -1.0), route)
+        case Swerve():
+            return _swerve(shape)
+        case Random():
+            least_radius, limit = rng.uniform(*shape.least_radius_m), shape.climb_at_most_deg * DEG
+            return [_quintic(rng, least_radius, limit)] if rng.random() < 0.5 else bends(rng, least_radius, limit)
+    return _joined(arcs, 1.0 if shape.side == "left" else -1.0)
 
 
 def _between_ends(route: Route) -> Ends:
@@ -100,12 +106,6 @@ def _through(directions: Directions, piece_m: float) -> list[Ends]:
     return [(point[a], (b - a) * step * tangent[a], point[b], (b - a) * step * tangent[b]) for a, b in pairwise(knots)]
 
 
-def _random(rng: np.random.Generator, shape: Random) -> list[Ends]:
-    least_radius = rng.uniform(*shape.least_radius_m)
-    limit = shape.climb_at_most_deg * DEG
-    return [_quintic(rng, least_radius, limit)] if rng.random() < 0.5 else _bends(rng, least_radius, limit)
-
-
 def _quintic(rng: np.random.Generator, least_radius_m: float, limit: float) -> Ends:
     """Random end directions up to 75 deg off the chord, scaled until the tightest place has the radius asked for."""
     for _ in range(1000):
@@ -121,7 +121,7 @@ def _quintic(rng: np.random.Generator, least_radius_m: float, limit: float) -> E
     raise ValueError("no random curve within climb_at_most_deg")
 
 
-def _bends(rng: np.random.Generator, least_radius_m: float, limit: float) -> list[Ends]:
+def bends(rng: np.random.Generator, least_radius_m: float, limit: float) -> list[Ends]:
     """Curvature that swings smoothly between random values two to four radii apart, while the climb wanders half as fast."""
     spans = rng.uniform(2.0, 4.0, 5) * least_radius_m
     bends = np.concatenate([[0.0], rng.uniform(-1.0, 1.0, 4), [0.0]])

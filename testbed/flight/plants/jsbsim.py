@@ -188,8 +188,9 @@ class JsbsimPlant:
         self._set_throttles = tuple(node(fdm, f"fcs/throttle-cmd-norm[{i}]").set_double_value for i in range(engines))
         self.step_bare = fdm.run  # JSBSim's own call, for the benchmark
         self.step: Callable[[], object] = fdm.run
-        # throttle, elevator, aileron, rudder; the surfaces beside the pitch trim, which JSBSim keeps in its own property
+        # throttle, elevator, aileron, rudder; the surfaces beside their trim, of which JSBSim keeps only the pitch in a property of its own
         self._out = (fdm["fcs/throttle-cmd-norm"], 0.0, 0.0, 0.0)
+        self._aileron_trim, self._rudder_trim = fdm["fcs/aileron-cmd-norm"], fdm["fcs/rudder-cmd-norm"]  # against a propeller's torque
         self._origin = (*(read() for read in self._read[:3]), *start.pos)
         latitude = fdm["position/lat-geod-rad"]
         self._sin, self._cos = math.sin(latitude), math.cos(latitude)
@@ -242,8 +243,8 @@ class JsbsimPlant:
         rudder += k * (surfaces.rudder - rudder)
         self._out = (surfaces.throttle, elevator, aileron, rudder)
         self._set_elevator(elevator)
-        self._set_aileron(aileron)
-        self._set_rudder(rudder)
+        self._set_aileron(self._aileron_trim + aileron)
+        self._set_rudder(self._rudder_trim + rudder)
         for set_throttle in self._set_throttles:
             set_throttle(surfaces.throttle)
         return surfaces.saturated

@@ -1,0 +1,261 @@
+"""``testbed tune``: find an aircraft's gains, prove them in steps and on a course, write them into its aircraft.yaml.
+
+The same procedure for every aircraft, at its reference airspeed; no number in it belongs to one of them:
+
+1. trim and linearise; measure what linearising does not see (servo, sampling, engine, full-aileron roll);
+2. place the inner loops on the linear model: least step error below a greatest sensitivity (``place.py``);
+3. step the closed loops of the real plant and autopilot; what each is late is the look-ahead of guidance;
+4. give guidance the bandwidth at which its own loop, closed through those measured responses, reaches its greatest sensitivity;
+5. verify: step responses within bounds, and a course of bends near the turn limit.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from ruamel.yaml import YAML
+
+from testbed.airframe.courses import random_bends, turn_radius
+from testbed.airframe.identify import (
+    StepResponse,
+    bank_step,
+    full_control,
+    load_factor_step,
+    sampling_lag_s,
+    servo_lag_s,
+    speed_step,
+    thrust_lag_s,
+)
+from testbed.airframe.linearise import LinearModel, linearise
+from testbed.airframe.loops import lateral, pitch
+from testbed.airframe.place import place_lateral, place_pitch, roll_rate_limit, rounded
+from testbed.airframe.trial import follow
+from testbed.airframe.trim import fastest_level, lift_curve, stall_speed, steepest_climb, trim
+from testbed.flight.aircraft import Aircraft, load_aircraft
+from testbed.flight.plants.rig import Rig
+from testbed.units import DEG, G0_MPS2
+
+Array = np.ndarray
+MOST_SENSITIVITY = 1.5  # of the guidance loop: gain margin 3, phase margin 39 deg at least
+DAMPING = 0.8  # of the error from the path
+INTEGRAL_SHARE = 0.25  # the integral of guidance answers four times as slowly as the error loop, that of the throttle as its loop
+SPEED_LOOP_LAGS = 0.5  # crossover of the speed loop times the lag of the engine
+SPEED_LOOP_SHARE = 0.5  # and no faster than this share of the guidance bandwidth
+FASTEST_SPEED_LOOP_RAD_S = 1.0
+LEAST_LAG_S = 0.01  # an engine in whose model the thrust simply follows the throttle
+CLIMB_SHARE = 0.8  # of the steepest climb: the power of climbing is taken between there and level flight
+SLOWEST_STALLS, FASTEST_SHARE = 1.2, 1.6  # the envelope's airspeeds: stalls, and times the reference airspeed
+CONTROL_RAD_S = np.geomspace(0.2, 15.0, 120)
+
+
+class TuneFailedError(RuntimeError):
+    """The gains found do not pass their own check; the report says which."""
+
+
+class Check(NamedTuple):
+    """One line of the verification."""
+
+    what: str
+    value: float
+    bound: float
+    unit: str
+
+    @property
+    def passed(self) -> bool:
+        """NaN does not pass."""
+        return self.value <= self.bound
+
+
+def tune(name: str, write: bool) -> str:
+    """Find the gains of an aircraft and report on them; write them into its aircraft.yaml if asked. Raises ``TuneFailedError``."""
+    before = load_aircraft(name)
+    after = find_gains(before)
+    checks = verify(after)
+    found = changes(name, after)
+    report = _report(name, before, after, found, checks)
+    if not all(check.passed for check in checks):
+        raise TuneFailedError(report)
+    if write:
+        write_gains(before, found)
+        load_aircraft.cache_clear()
+    return report
+
+
+def find_gains(aircraft: Aircraft) -> Aircraft:
+    """The aircraft with measured limits, placed loops and identified lags."""
+    speed = aircraft.autopilot.reference_mps
+    model = linearise(Rig(aircraft, speed))
+    lags = surface_lags(aircraft, model)
+    gains = place_pitch(model, place_lateral(model, aircraft.autopilot, lags), lags)
+    power = _power(aircraft, speed)
+    aircraft = _changed(_measured(aircraft, speed), autopilot=gains.model_dump() | place_throttle(power, math.inf))
+    bank, lift = bank_step(aircraft, speed)[0], load_factor_step(aircraft, speed)[0]
+    bandwidth = guidance_bandwidth(bank, lift)
+    leads = {"bank_lead_s": rounded(max(0.0, bank.lag_s(bandwidth))), "load_factor_lead_s": rounded(max(0.0, lift.lag_s(bandwidth)))}
+    integral = rounded(INTEGRAL_SHARE * bandwidth)
+    aircraft = _changed(aircraft, guidance={"bandwidth_rad_s": bandwidth, "damping": DAMPING, "integral_1ps": integral, **leads})
+    aircraft = _changed(aircraft, autopilot=place_throttle(power, bandwidth))
+    return _changed(aircraft, point_mass=_as_point(aircraft, power, bank.lag_s(bandwidth), lift.lag_s(bandwidth)))
+
+
+def surface_lags(aircraft: Aircraft, model: LinearModel) -> tuple[float, float, float]:
+    """What stands between command and surface: servo, command filter of the plant, sampling (s)."""
+    return servo_lag_s(aircraft, model), aircraft.command_lag_s, sampling_lag_s()
+
+
+def _measured(aircraft: Aircraft, speed: float) -> Aircraft:
+    """Limits that are facts of the aircraft rather than choices."""
+    stall = stall_speed(aircraft, speed)
+    lift = lift_curve(aircraft, speed).lift_at(aircraft.limits.alpha_max_deg * DEG)
+    return _changed(
+        aircraft,
+        limits={
+            "roll_rate_dps": roll_rate_limit(full_control(aircraft, speed).peak_rate_radps),
+            "alpha_max_1g_mps": rounded(speed / math.sqrt(lift)),
+            "stall_mps": rounded(stall),
+            "speed_min_mps": rounded(SLOWEST_STALLS * stall),
+            "speed_max_mps": fastest_level(aircraft, speed, FASTEST_SHARE * speed),
+        },
+    )
+
+
+class Power(NamedTuple):
+    """What the engine does for the aircraft: steepest climb (rad), throttle per g along the path, lag of the thrust (s)."""
+
+    climb_rad: float
+    throttle_per_g: float
+    lag_s: float
+
+
+def _power(aircraft: Aircraft, speed: float) -> Power:
+    steepest = steepest_climb(aircraft, speed)
+    climb = CLIMB_SHARE * steepest
+    level, climbing = trim(aircraft, speed), trim(aircraft, speed, climb)
+    assert level is not None
+    assert climbing is not None
+    per_g = (climbing.throttle - level.throttle) / math.sin(climb)
+    return Power(steepest, per_g, max(LEAST_LAG_S, thrust_lag_s(aircraft, speed)))
+
+
+def place_throttle(power: Power, bandwidth: float) -> dict[str, float]:
+    """Feed-forward from the trims, PI with a crossover that the lag of the engine and the guidance bandwidth (rad/s) allow."""
+    crossover = min(SPEED_LOOP_LAGS / power.lag_s, SPEED_LOOP_SHARE * bandwidth, FASTEST_SPEED_LOOP_RAD_S)
+    return {
+        "throttle_per_mps": rounded(crossover * power.throttle_per_g / G0_MPS2),
+        "throttle_integral_1ps": rounded(INTEGRAL_SHARE * crossover * crossover * power.throttle_per_g / G0_MPS2),
+        "throttle_per_accel_g": rounded(power.throttle_per_g),
+        "throttle_lag_s": rounded(power.lag_s),
+    }
+
+
+def guidance_bandwidth(bank: StepResponse, lift: StepResponse) -> float:
+    """The highest bandwidth (rad/s, in steps of 0.05) that keeps the path loop, closed through both responses, in its bound."""
+    answers = [response.transfer(CONTROL_RAD_S) for response in (bank, lift)]
+    best = 0.05
+    for bandwidth in np.arange(0.1, 5.0, 0.05):
+        law = path_law(float(bandwidth))
+        if max(float(np.max(1.0 / np.abs(1.0 + law * answer))) for answer in answers) > MOST_SENSITIVITY:
+            break
+        best = round(float(bandwidth), 2)
+    return best
+
+
+def path_law(bandwidth: float) -> Array:
+    """From error to acceleration and back to error by two integrations, at ``CONTROL_RAD_S``."""
+    s = 1j * CONTROL_RAD_S
+    stiffness = bandwidth * bandwidth
+    return np.asarray((2.0 * DAMPING * bandwidth * s + stiffness + INTEGRAL_SHARE * bandwidth * stiffness / s) / (s * s))
+
+
+def _as_point(aircraft: Aircraft, power: Power, bank_lag_s: float, lift_lag_s: float) -> dict[str, float]:
+    """Lags, thrust and drag over weight for the point mass that stands in for this aircraft."""
+    curve = lift_curve(aircraft, aircraft.autopilot.reference_mps)
+    usable = curve.lift_factor <= aircraft.limits.load_factor_max
+    lift_part, zero_part = np.polyfit(curve.lift_factor[usable] ** 2, curve.drag_factor[usable], 1)
+    level = float(zero_part + lift_part)
+    return {
+        "bank_lag_s": rounded(bank_lag_s),
+        "load_factor_lag_s": rounded(lift_lag_s),
+        "thrust_lag_s": rounded(power.lag_s),
+        "thrust_max": rounded(level + math.sin(power.climb_rad)),
+        "drag_zero": rounded(float(zero_part)),
+        "drag_lift": rounded(float(lift_part)),
+    }
+
+
+def verify(aircraft: Aircraft) -> list[Check]:
+    """Steps of every loop on the real plant, margins of the linear ones, and a course of bends."""
+    speed = aircraft.autopilot.reference_mps
+    model = linearise(Rig(aircraft, speed))
+    lags = surface_lags(aircraft, model)
+    small, _ = bank_step(aircraft, speed)
+    large, _ = bank_step(aircraft, speed, 0.5 * aircraft.limits.bank_deg * DEG)
+    lift, _ = load_factor_step(aircraft, speed)
+    faster = speed_step(aircraft, speed)["airspeed"] - speed
+    radius = 1.5 * turn_radius(speed, aircraft.limits.bank_deg * DEG)
+    climb = 0.5 * steepest_climb(aircraft, speed)
+    flights = [follow(aircraft, random_bends(np.random.default_rng(k), radius, climb), speed) for k in range(4)]
+    return [
+        Check("greatest sensitivity, aileron and rudder", lateral(model, aircraft.autopilot, lags).sensitivity(), 1.45, ""),
+        Check("greatest sensitivity, elevator", pitch(model, aircraft.autopilot, lags).sensitivity(), 1.45, ""),
+        Check("bank step 10 deg, overshoot", 100.0 * small.overshoot, 5.0, "%"),
+        Check("bank step 10 deg, settled within 5 % after", small.settling_s(), 10.0 * small.lag_s(1.0), "s"),
+        Check("bank step to half the limit, overshoot", 100.0 * large.overshoot, 5.0, "%"),
+        Check("load factor step 0.2, overshoot", 100.0 * lift.overshoot, 12.0, "%"),
+        Check("load factor step 0.2, off after 5 s", 100.0 * abs(1.0 - float(lift.response[-1])), 6.0, "%"),
+        Check("speed step 2 m/s, overshoot", 50.0 * max(0.0, float(faster.max()) - 2.0), 25.0, "%"),
+        Check("speed step 2 m/s, off after 30 s", 50.0 * abs(float(faster[-1]) - 2.0), 10.0, "%"),
+        Check("bends at 1.5 turn radii, worst cross-track RMS", max(flight.rms_m for flight in flights), 0.5, "m"),
+    ]
+
+
+def _changed(aircraft: Aircraft, **sections: Mapping[str, float]) -> Aircraft:
+    """The aircraft with some values of some sections replaced."""
+    return aircraft.model_copy(update={name: getattr(aircraft, name).model_copy(update=dict(new)) for name, new in sections.items()})
+
+
+def changes(name: str, after: Aircraft) -> dict[str, Any]:
+    """What the file is to say, by section."""
+    sections = ("guidance", "autopilot", "point_mass")
+    found: dict[str, Any] = {section: getattr(after, section).model_dump() for section in sections}
+    found["limits"] = {
+        key: getattr(after.limits, key) for key in ("speed_min_mps", "speed_max_mps", "roll_rate_dps", "alpha_max_1g_mps", "stall_mps")
+    }
+    return found | {"gains_found_by": f"testbed tune {name}"}
+
+
+def write_gains(aircraft: Aircraft, changes: Mapping[str, Any]) -> None:
+    """Put values into the aircraft's file; everything else in it, comments too, stays."""
+    yaml = YAML()
+    yaml.width = 200
+    yaml.preserve_quotes = True
+    file = aircraft.folder / "aircraft.yaml"
+    document = yaml.load(file.read_text(encoding="utf-8"))
+    for key, value in changes.items():
+        if isinstance(value, Mapping):
+            document[key].update({name: _plain(number) for name, number in value.items()})
+        else:
+            document[key] = value
+    with file.open("w", encoding="utf-8") as out:
+        yaml.dump(document, out)
+
+
+def _plain(number: float) -> float | int:
+    """50 rather than 50.0."""
+    return int(number) if float(number).is_integer() and abs(number) >= 10 else number
+
+
+def _report(name: str, before: Aircraft, after: Aircraft, changes: Mapping[str, Any], checks: list[Check]) -> str:
+    lines = [f"{name}: {after.title}", f"at {after.autopilot.reference_mps:g} m/s, 150 m above sea level", ""]
+    for section, values in changes.items():
+        if isinstance(values, Mapping):
+            lines.append(section)
+            for key, value in values.items():
+                old = getattr(getattr(before, section), key)
+                lines.append(f"  {key:26} {value:<10g}" + (f" was {old:g}" if old != value else ""))
+    lines += ["", "verified in steps"]
+    for check in checks:
+        verdict = "ok" if check.passed else "FAILED"
+        lines.append(f"  {check.what:46} {check.value:8.3g} (at most {check.bound:.3g}) {check.unit:2} {verdict}")
+    return "\n".join(lines)
