@@ -1,6 +1,6 @@
 """The command line: parses, calls one function, turns what can go wrong into exit codes.
 
-0: all ran. 1: some flight crashed, or a replay differs. 2: bad input. 130: interrupted.
+0: all ran. 1: some flight crashed, a check was missed, or a replay differs. 2: bad input. 130: interrupted.
 """
 
 import contextlib
@@ -145,8 +145,14 @@ def _summarise(summary: "Summary") -> None:
         )
     if summary.mixed_code:
         _say("warning: the code changed during the run, so its flights may not be of one code; start again with --fresh", sys.stderr)
+    for line in summary.checks:
+        off = f"{line.measured:.6g} where {line.truth:.6g} is true: off by {line.off:.3g} of {line.tolerance:.3g} {line.unit}".rstrip()
+        _say(f"check {line.word}: {line.quantity}: {off}", sys.stderr)
+    missed = sum(not line.passed for line in summary.checks)
+    if missed:
+        _say(f"{missed} of {len(summary.checks)} checks missed", sys.stderr)
     _say(str(summary.directory))
-    raise typer.Exit(CRASHED if summary.crashed else 0)
+    raise typer.Exit(CRASHED if summary.crashed or missed else 0)
 
 
 @app.command()
@@ -240,3 +246,40 @@ def audit(out: Annotated[Path, typer.Option(help="Where audit.csv and audit.html
 
         for file in write_audit(out):
             _say(str(file))
+
+
+@app.command()
+def tune(
+    name: Annotated[str, typer.Argument(metavar="AIRCRAFT")],
+    write: Annotated[bool, typer.Option("--write/--dry-run", help="Write the gains that were found into aircraft.yaml.")] = True,
+) -> None:
+    """Find an aircraft's gains: linearise, place the loops, identify the lags, verify in steps."""
+    with _bad_input():
+        _need_aircraft(name)
+        from testbed.airframe.tune import TuneFailedError
+        from testbed.airframe.tune import tune as find
+
+        try:
+            _say(find(name, write))
+        except TuneFailedError as problem:
+            _fail(f"{problem}\nnothing was written", CRASHED)
+
+
+@app.command()
+def aircraft(
+    name: Annotated[str, typer.Argument(metavar="NAME")],
+    out: Annotated[Path, typer.Option(help="Where the page goes.")] = Path("reports/runs/aircraft"),
+) -> None:
+    """Write an aircraft's data sheet: trims, limits, modes, step responses."""
+    with _bad_input():
+        _need_aircraft(name)
+        from testbed.airframe.data_sheet import write_data_sheet
+
+        _say(str(write_data_sheet(name, out)))
+
+
+def _need_aircraft(name: str) -> None:
+    from testbed.catalogue import aircraft_folders
+
+    if name not in (known := aircraft_folders()):
+        _fail(f"no aircraft '{name}'; there are: {', '.join(known)}")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 LOCK = ".lock"
-OURS = ("campaign.yaml", "plan.json", "rows.jsonl", "results.csv", "results.parquet", "timings.csv", "index.html")
+OURS = ("campaign.yaml", "plan.json", "rows.jsonl", "results.csv", "results.parquet", "timings.csv", "checks.csv", "index.html")
 MANIFEST = "manifest.json"
 
 

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from testbed.spec.check import Check
 from testbed.spec.model import FlightPlan
 from testbed.types import FlightMetrics, FlightRecord, Outcome
 
@@ -20,6 +21,7 @@ class Job:
     plan: FlightPlan
     recording_path: Path | None = None  # absolute: workers need not share the driver's current folder
     want_series: bool = False
+    check: Check | None = None
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,11 @@ def _run(job: Job) -> JobResult:
         _timed(timings, "record", lambda: write_recording(record, metrics, path))
         recording = f"{path.parent.name}/{path.name}"
     row = _identity(job.plan) | asdict(metrics) | _story([asdict(event) for event in record.events], record.message, "", recording)
+    if job.check is not None:
+        from testbed.results.checks import evidence
+
+        check = job.check
+        row["evidence"] = _timed(timings, "check", lambda: evidence(check, record))
     return JobResult(row, series, timings | {f"fly.{stage.removesuffix('_s')}": seconds for stage, seconds in record.timings})
 
 

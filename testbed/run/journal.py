@@ -92,6 +92,8 @@ def decode(line: bytes) -> JobResult:
     _restore(row, FlightMetrics)
     for event in row["events"]:
         _restore(event, ReplanEvent)
+    if row.get("evidence") is not None:
+        row["evidence"] = {name: _numbers(value) for name, value in row["evidence"].items()}
     return JobResult(row, data["series"], data["timings"])
 
 
@@ -120,3 +122,10 @@ def _restore(target: dict[str, Any], kind: type[FlightMetrics] | type[ReplanEven
 
 def _number(value: Any) -> float:
     return math.nan if value is None else float(value)
+
+
+def _numbers(value: Any) -> Any:
+    """A number or a list of numbers; a whole one stays whole."""
+    if isinstance(value, list):
+        return [_numbers(item) for item in value]
+    return value if isinstance(value, int) else _number(value)

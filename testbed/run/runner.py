@@ -10,7 +10,7 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from testbed.run import identity, journal, manifest
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
@@ -19,6 +19,9 @@ from testbed.run.job import Job, JobResult, Row, crashed, run_job
 from testbed.run.manifest import Manifest
 from testbed.spec.model import Campaign, FlightPlan
 from testbed.types import FlightMetrics, Outcome
+
+if TYPE_CHECKING:
+    from testbed.results.checks import CheckResult
 
 RUNS = Path("reports/runs")
 
@@ -42,6 +45,7 @@ class Summary:
     outcomes: dict[str, int]
     flown_now: int = 0
     mixed_code: bool = False
+    checks: "tuple[CheckResult, ...]" = ()
 
     @property
     def crashed(self) -> int:
@@ -132,7 +136,13 @@ def _jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPla
     with_series = set(first[:SERIES])
     folder = directory.recordings.resolve()
     return [
-        Job(plan, folder / f"{plan.flight_id}.rrd" if plan.flight_id in recorded else None, plan.flight_id in with_series) for plan in plans
+        Job(
+            plan,
+            folder / f"{plan.flight_id}.rrd" if plan.flight_id in recorded else None,
+            plan.flight_id in with_series,
+            campaign.check,
+        )
+        for plan in plans
     ]
 
 
@@ -157,10 +167,25 @@ def _write_results(directory: RunDirectory, flown: int = 0) -> Summary:
     directory.put("results.parquet", tables.parquet_bytes(table))
     directory.put("timings.csv", _timings(results))
     series = {result.row["flight_id"]: result.series for result in results if result.series is not None}
-    page = render_page(campaign, rows, series, manifest.provenance(about, len(plans), len(rows)))
+    checks = _judge(directory, campaign, plans, by_id)
+    page = render_page(campaign, rows, series, manifest.provenance(about, len(plans), len(rows)), checks)
     directory.put("index.html", page.encode())
     outcomes = dict(Counter(row["outcome"] for row in rows))
-    return Summary(directory.path, len(plans), outcomes, flown, about["identity"]["code"] == manifest.MIXED)
+    return Summary(directory.path, len(plans), outcomes, flown, about["identity"]["code"] == manifest.MIXED, checks)
+
+
+def _judge(
+    directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan], by_id: dict[str, JobResult]
+) -> "tuple[CheckResult, ...]":
+    """The lines of the campaign's check, also written to ``checks.csv``; none if it has no check."""
+    if campaign.check is None:
+        return ()
+    from testbed.results import checks
+
+    flights = [checks.Flown(plan, by_id[plan.flight_id].row) for plan in plans if plan.flight_id in by_id]
+    lines = checks.judge(campaign.check, flights, len(plans))
+    directory.put("checks.csv", checks.csv_bytes(campaign.check.kind, lines))
+    return lines
 
 
 def _timings(results: Sequence[JobResult]) -> bytes:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
+from testbed.results.checks import CheckResult
 from testbed.show.columns import BY_KEY, SUMMARISED, value
 from testbed.show.story import number
 
@@ -116,6 +117,16 @@ def sentences(rows: Sequence[Row], matched: Sequence[Pair]) -> list[str]:
         parts = [f"in {_collided([r for r in mine if r['method'] == method])} {_with(method)}" for method in methods]
         said.append(f"{_title(name)} came closer than an obstacle's radius {' and '.join(parts)}.")
     return said + _comparison([pair for pair in matched if pair.flown["replans"]])
+
+
+def verdict(checks: Sequence[CheckResult]) -> list[str]:
+    """What became of a check campaign, in a sentence."""
+    missed = [line for line in checks if not line.passed]
+    if not checks:
+        return []
+    if not missed:
+        return [f"Check passed: {counted(len(checks), 'line')}, each within its tolerance."]
+    return [f"Check missed: {len(missed)} of {counted(len(checks), 'line')} out of tolerance."]
 
 
 def _with(method: str) -> str:

@@ -13,6 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from testbed.frames import direction_deg
+from testbed.results.checks import CheckResult
 from testbed.show import answer
 from testbed.show.answer import Row
 from testbed.show.columns import BY_KEY, DECISION_TERMS, METRICS, SUMMARISED, value
@@ -25,7 +26,13 @@ MOST_FLIGHT_ROWS, MOST_DECISION_ROWS = 300, 100
 CELLS_FROM = 25  # so many flights are better read by cell
 
 
-def render_page(campaign: Campaign, rows: list[Row], series: Mapping[str, dict[str, Any] | None], provenance: dict[str, Any]) -> str:
+def render_page(
+    campaign: Campaign,
+    rows: list[Row],
+    series: Mapping[str, dict[str, Any] | None],
+    provenance: dict[str, Any],
+    checks: Sequence[CheckResult] = (),
+) -> str:
     """The whole page. ``rows`` as in rows.jsonl, ``series`` by flight id, ``provenance`` whatever should be said of the run."""
     rows = [row | {key: (series.get(row["flight_id"]) or {}).get(key) for key in ("encounter", "geometry")} for row in rows]
     axes, listed_axes = answer.telling_axes(rows), answer.listed_axes(rows)
@@ -39,8 +46,9 @@ def render_page(campaign: Campaign, rows: list[Row], series: Mapping[str, dict[s
     return environment.get_template("index.html.j2").render(
         campaign=campaign,
         axes=listed_axes,
-        sentences=answer.sentences(rows, matched) if rows else ["No flight was flown."],
+        sentences=answer.verdict(checks) + (answer.sentences(rows, matched) if rows else ["No flight was flown."]),
         cards=answer.cards(rows) if rows else [],
+        checks=[_check(line) for line in checks],
         pairs=[_pair(pair, axes) for pair in matched],
         cells=answer.cells(rows, axes) if len(rows) >= CELLS_FROM or campaign.replicates > 1 else [],
         summarised=[BY_KEY[key] for key in SUMMARISED],
@@ -96,6 +104,19 @@ def _flight(row: Row, axes: Sequence[str]) -> dict[str, Any]:
         "collided": value(row, "least_clearance_m") < 0.0,
         "message": row["message"],
         "recording": row["recording"],
+    }
+
+
+def _check(line: CheckResult) -> dict[str, Any]:
+    """One line of the table of checks, with the decimals that show a hundredth of the tolerance."""
+    digits = max(0, 2 - math.floor(math.log10(line.tolerance))) if line.tolerance > 0.0 else 0
+    values = (line.truth, line.measured, line.off, line.tolerance)
+    return {
+        "quantity": line.quantity,
+        "unit": line.unit,
+        "passed": line.passed,
+        "word": line.word,
+        "cells": [{"text": number(amount, digits), "sort": _sortable(amount)} for amount in values],
     }
 
 

@@ -95,6 +95,18 @@ def test_a_replay_equals_its_row(smoke, tmp_path):
         assert (tmp_path / "again.rrd").stat().st_size > 10_000
 
 
+def test_a_check_is_told_line_by_line_and_a_miss_is_exit_1(tmp_path):
+    check = ROOT / "campaigns" / "check" / "excess_power.yaml"
+    good = testbed("run", check, "--out", "good", cwd=tmp_path)
+    assert (good.returncode, good.stdout) == (0, "good\n"), good.stderr
+    assert "check passed: jsbsim gtm_t2: specific excess power: " in good.stderr
+    bad = testbed("run", check, "--out", "bad", "--set", "check.steepest_climb_deg=21", cwd=tmp_path)
+    assert (bad.returncode, bad.stdout) == (1, "bad\n")
+    assert "check missed: jsbsim gtm_t2: specific excess power: " in bad.stderr
+    assert "1 of 3 checks missed" in bad.stderr
+    assert testbed("report", "bad", cwd=tmp_path).returncode == 1
+
+
 def test_a_changed_plan_is_refused_with_what_differs(smoke):
     done = testbed("run", SMOKE, "--out", smoke, "--set", "speed_mps=51", cwd=smoke)
     assert done.returncode == 2

@@ -124,9 +124,9 @@ def fly_badly(job):
     return fly(job)
 
 
-def page(campaign, rows, series, provenance):
+def page(campaign, rows, series, provenance, checks):
     """A page that shows all it is given."""
-    return json.dumps([campaign.name, rows, series, provenance], sort_keys=True)
+    return json.dumps([campaign.name, rows, series, provenance, [str(line) for line in checks]], sort_keys=True)
 
 
 def deaf_to_ctrl_c(_):

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from testbed.results.checks import CheckResult
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
 from testbed.spec.model import Campaign
@@ -106,6 +107,25 @@ def test_the_answer_in_words_follows_the_rows(four: tuple[list[Row], dict[str, A
     assert "Of 4 flights, 3 reached the goal, 1 collided." in text
     assert "Where an aircraft re-planned (2 flights), the point kept its clearance in 1 of the same encounters, the aircraft in 0." in text
     assert "The least clearance of the point was −2.85 to 2.68 m, of the aircraft −9.19 to −2.85 m." in text  # noqa: RUF001
+
+
+def test_a_check_shows_its_lines_and_what_it_verifies(four: tuple[list[Row], dict[str, Any]]) -> None:
+    words = {"verifies": f"This {NASTY}", "truth": "closed form", "tolerance": "rounding"}
+    checked = campaign(check={"kind": "clearance", "clearance_tolerance_m": 0.001, "time_tolerance_s": 0.1, **words})
+    lines = [
+        CheckResult("one", "m", 1.0, 1.0004, 0.001),
+        CheckResult("two", "s", 2.0, 2.25, 0.1),
+        CheckResult("three", "", 0.0, math.nan, 0.0),
+    ]
+    page = parsed(render_page(checked, *four, PROVENANCE, lines))
+    text = " ".join(" ".join(page.text).split())
+    assert "Check missed: 2 of 3 lines out of tolerance." in text
+    assert "passed one m 1.00000 1.00040 0.00040 0.00100" in text
+    assert "missed two s 2.000 2.250 0.250 0.100" in text
+    assert "missed three" in text
+    assert all(word in text for word in ("Verifies", "closed form", "rounding"))
+    assert not [tag for tag, _ in page.tags if tag == "img"]
+    assert "Check" not in "".join(parsed(render_page(campaign(), *four, PROVENANCE)).text)
 
 
 def test_words_from_outside_stay_words(four: tuple[list[Row], dict[str, Any]]) -> None:
