@@ -110,7 +110,8 @@ def idealised(aircraft: Aircraft, ideal: tuple[str, ...]) -> Aircraft:
         gains |= {"bank_lead_s": 0.0}
         point |= {"bank_lag_s": IDEAL_LAG_S}
     if "load_factor" in ideal:
-        limits |= {"load_factor_min": -UNLIMITED, "load_factor_max": UNLIMITED, "alpha_max_1g_mps": 1.0 / UNLIMITED}
+        slowest = {"alpha_max_1g_mps": 1.0 / UNLIMITED, "speed_min_mps": 1.0 / UNLIMITED}
+        limits |= {"load_factor_min": -UNLIMITED, "load_factor_max": UNLIMITED} | slowest
         gains |= {"load_factor_lead_s": 0.0}
         point |= {"load_factor_lag_s": IDEAL_LAG_S}
     return aircraft.model_copy(

@@ -17,6 +17,7 @@ from testbed.flight.plants.base import Command, State, make
 from testbed.units import DEG, G0_MPS2
 
 LEAST_LIFT_MPS2 = 2.0  # below this the bank command would be singular (push-over through zero g)
+UNLOAD = 8.0  # load factor given up per share of speed lost near the least speed
 INTEGRAL_LIMIT_MPS2 = 3.0
 CATCH_UP_1PS = 0.5  # airspeed added per metre behind the schedule ...
 CATCH_UP_SHARE = 0.06  # ... up to this share of the set speed
@@ -57,6 +58,7 @@ class BankToTurn:
         self._bank = limits.bank_deg * DEG
         self._n_min, self._n_max = limits.load_factor_min, limits.load_factor_max
         self._n_per_speed2 = 1.0 / limits.alpha_max_1g_mps**2
+        self._per_slowest = UNLOAD / limits.speed_min_mps
 
     def solve(self, left: float, up: float, state: State) -> tuple[float, float, bool]:
         """Bank (rad), load factor, and whether a limit cut them; ``left`` and ``up`` in m/s^2, gravity made up for in ``up``."""
@@ -65,8 +67,12 @@ class BankToTurn:
         bank = -most if raw_bank < -most else most if raw_bank > most else raw_bank
         # the lift that serves the demand at the bank the aircraft has, not at the one it was told
         raw_n = (up * math.cos(state.bank) - left * math.sin(state.bank)) / G0_MPS2
-        available = self._n_per_speed2 * state.airspeed * state.airspeed
+        airspeed = state.airspeed
+        available = self._n_per_speed2 * airspeed * airspeed
         n_max = available if available < self._n_max else self._n_max
+        # speed before height: what flies as slowly as it may does not climb, and slower than that it unloads
+        if (unloaded := 1.0 - UNLOAD + self._per_slowest * airspeed) < n_max:
+            n_max = unloaded
         load_factor = self._n_min if raw_n < self._n_min else n_max if raw_n > n_max else raw_n
         return bank, load_factor, bank != raw_bank or load_factor != raw_n
 

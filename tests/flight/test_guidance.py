@@ -101,9 +101,18 @@ def test_limits_are_kept_and_flagged() -> None:
 
 
 def test_a_slow_aircraft_is_not_asked_for_lift_it_does_not_have() -> None:
-    slow = LEVEL._replace(x=100.0, z=-300.0, vx=32.0, airspeed=32.0)
+    slow = LEVEL._replace(x=100.0, z=-300.0, vx=40.0, airspeed=40.0)
     command, _, _ = law().step(law().start(100.0), slow, straight())
-    assert command.load_factor == pytest.approx((32.0 / GTM.limits.alpha_max_1g_mps) ** 2)
+    assert command.load_factor == pytest.approx((40.0 / GTM.limits.alpha_max_1g_mps) ** 2)
+
+
+@pytest.mark.parametrize(("share", "most"), [(1.0, 1.0), (0.95, 0.6), (0.9, 0.2)])
+def test_speed_before_height(share: float, most: float) -> None:
+    """At the least speed nothing is left to climb with; slower than that the aircraft unloads and gains speed."""
+    slow = share * GTM.limits.speed_min_mps
+    command, _, telemetry = law().step(law().start(100.0), LEVEL._replace(x=100.0, z=-50.0, vx=slow, airspeed=slow), straight())
+    assert command.load_factor == pytest.approx(most, abs=1e-9)
+    assert telemetry.saturated == 1.0
 
 
 def test_the_table_agrees_with_the_exact_path() -> None:
