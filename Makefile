@@ -33,10 +33,10 @@ test: $(STAMP) ## style, types, import order, all tests
 	$(BIN)/ruff format --check $(CHECKED)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto
 
 fast: $(STAMP) ## the tests that take no longer than a second
-	$(BIN)/pytest -m "not slow and not browser and not viewer"
+	$(BIN)/pytest -n auto -m "not slow and not browser and not viewer"
 
 bench: $(STAMP) ## time a flight against the bare stepping of its plant
 	$(BIN)/testbed bench
