@@ -88,7 +88,8 @@ class FlightRecord:
     ``own.bank_rad`` ``own.pitch_rad`` ``own.heading_rad`` ``own.load_factor`` ``own.airspeed_mps`` ``own.alpha_rad``
     ``own.beta_rad`` (n,); ``own.rates_body_radps`` (n,3); ``own.throttle`` ``own.elevator`` ``own.aileron`` ``own.rudder`` (n,) commands;
     ``air.wind_enu_mps`` (n,3) velocity of the air over the ground at the aircraft, gusts included: airspeed = |velocity - wind|;
-    ``guidance.s_m`` ``guidance.bank_cmd_rad`` ``guidance.load_factor_cmd`` (n,), ``guidance.saturated`` (n,) 0 or 1;
+    ``guidance.s_m`` ``guidance.bank_cmd_rad`` ``guidance.load_factor_cmd`` (n,), ``guidance.saturated`` (n,) 0 or 1,
+    and why: ``guidance.limited`` (n,) 1 for bank plus 2 for load factor, ``own.at_stop`` (n,) 1 when a surface is at its stop;
     ``path.index`` (n,) which of ``paths`` was active; ``path.leg`` (n,) piece of that path;
     ``path.cross_track_m`` (n,) 3-D distance to the active path, exact;
     ``obstacle.<name>.pos_enu_m`` ``obstacle.<name>.vel_enu_mps`` (n,3); ``obstacle.<name>.clearance_m`` (n,).
@@ -131,4 +132,7 @@ class FlightMetrics:
     planned_min_radius_m: float
     planned_clearance_m: float
     saturated_share: float
+    limits_hit: str  # bank load_factor roll_rate surface thrust, those that were reached
+    airspeed_rms_error_mps: float  # from the set speed
+    wind_along_std_mps: float  # standard deviation of the air's velocity along the flight
     begin_s_m: float

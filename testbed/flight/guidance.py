@@ -24,6 +24,9 @@ CATCH_UP_SHARE = 0.06  # ... up to this share of the set speed
 STEEPEST_RETURN = 0.5  # sine of the angle at which a far-off path is approached: beyond it the error no longer adds to the demand
 
 
+BANK_LIMITED, LIFT_LIMITED = 1.0, 2.0
+
+
 class Memory(NamedTuple):
     """Arc length of the last projection, where the schedule has the aircraft, and the integral of the error, left and up (m/s^2)."""
 
@@ -39,7 +42,7 @@ class Telemetry(NamedTuple):
     s_m: float
     bank_cmd: float
     load_factor_cmd: float
-    saturated: float  # 1 when a limit of the aircraft cut the command
+    limited: float  # which limits of the aircraft cut the command: BANK_LIMITED + LIFT_LIMITED, 0 for none
 
 
 class Law(Protocol):
@@ -60,8 +63,8 @@ class BankToTurn:
         self._n_per_speed2 = 1.0 / limits.alpha_max_1g_mps**2
         self._per_slowest = UNLOAD / limits.speed_min_mps
 
-    def solve(self, left: float, up: float, state: State) -> tuple[float, float, bool]:
-        """Bank (rad), load factor, and whether a limit cut them; ``left`` and ``up`` in m/s^2, gravity made up for in ``up``."""
+    def solve(self, left: float, up: float, state: State) -> tuple[float, float, float]:
+        """Bank (rad), load factor, and which limits cut them; ``left`` and ``up`` in m/s^2, gravity made up for in ``up``."""
         most = self._bank
         raw_bank = math.atan2(-left, up if up > LEAST_LIFT_MPS2 else LEAST_LIFT_MPS2)
         bank = -most if raw_bank < -most else most if raw_bank > most else raw_bank
@@ -74,7 +77,7 @@ class BankToTurn:
         if (unloaded := 1.0 - UNLOAD + self._per_slowest * airspeed) < n_max:
             n_max = unloaded
         load_factor = self._n_min if raw_n < self._n_min else n_max if raw_n > n_max else raw_n
-        return bank, load_factor, bank != raw_bank or load_factor != raw_n
+        return bank, load_factor, (BANK_LIMITED if bank != raw_bank else 0.0) + (LIFT_LIMITED if load_factor != raw_n else 0.0)
 
 
 class SpeedHold(NamedTuple):
@@ -152,4 +155,4 @@ class LookAheadLaw:
         airspeed, scheduled = self._hold.solve(state, speed, memory.scheduled_s_m - s)
         memory = make(Memory, (s + v_along * self._dt, memory.scheduled_s_m + scheduled * self._dt, i_left, i_up))
         command = make(Command, (bank, load_factor, airspeed, power_ahead[5], 0.0))
-        return command, memory, make(Telemetry, (s, bank, load_factor, 1.0 if limited else 0.0))
+        return command, memory, make(Telemetry, (s, bank, load_factor, limited))

@@ -49,7 +49,7 @@ class L1Law:
         airspeed, scheduled = self._hold.solve(state, speed, memory.scheduled_s_m - s)
         command = Command(bank, load_factor, airspeed, power_ahead[5], 0.0)
         memory = Memory(s + speed * self._dt, memory.scheduled_s_m + scheduled * self._dt)
-        return command, memory, Telemetry(s, bank, load_factor, 1.0 if limited else 0.0)
+        return command, memory, Telemetry(s, bank, load_factor, limited)
 
 
 def _nearest(s_m: float, state: State, path: ActivePath) -> tuple[float, float]:

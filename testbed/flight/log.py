@@ -112,7 +112,9 @@ def _guidance_columns(log: FlightLog, n: int) -> dict[str, Array]:
         "guidance.s_m": s_m.copy(),
         "guidance.bank_cmd_rad": bank.copy(),
         "guidance.load_factor_cmd": load_factor.copy(),
-        "guidance.saturated": np.maximum(limited, at_stop),
+        "guidance.saturated": np.where((limited > 0.0) | (at_stop > 0.0), 1.0, 0.0),
+        "guidance.limited": limited.copy(),
+        "own.at_stop": at_stop.copy(),
     }
 
 

@@ -5,6 +5,8 @@ import math
 import numpy as np
 
 from testbed.flight.air import make_wind
+from testbed.flight.aircraft import load_aircraft
+from testbed.flight.guidance import BANK_LIMITED, LIFT_LIMITED
 from testbed.flight.schedule import arc_lengths, planned_time
 from testbed.flight.traffic import least_clearance
 from testbed.types import FlightMetrics, FlightRecord, Outcome, PlannedPath
@@ -12,6 +14,7 @@ from testbed.units import DEG
 
 Array = np.ndarray
 NAN = math.nan
+NEAR_LIMIT = 0.95  # a roll rate counts as at its limit from here on
 AT_GOAL_M = 1e-9  # a point that stops at the goal is on the plane up to rounding
 
 
@@ -37,7 +40,7 @@ def measure(record: FlightRecord) -> FlightMetrics:
         deflection_deg=first.deflection_rad / DEG if first else NAN,
         path_length_m=flown_length(record, end, share),
         flight_time_s=(end + share) / record.plan.rates.plant_hz if len(cross_track) else NAN,
-        cross_track_rms_m=float(np.sqrt(np.mean(cross_track**2))) if len(cross_track) else NAN,
+        cross_track_rms_m=root_mean_square(cross_track),
         cross_track_max_m=extreme(np.max, cross_track),
         schedule_error_s=schedule_error(record, at, end + share),
         max_bank_deg=extreme(np.max, np.abs(columns["own.bank_rad"][flown])) / DEG,
@@ -51,6 +54,9 @@ def measure(record: FlightRecord) -> FlightMetrics:
         planned_min_radius_m=1.0 / curvature if curvature > 0.0 else NAN,
         planned_clearance_m=planned_clearance(record),
         saturated_share=float(np.mean(columns["guidance.saturated"][flown])) if len(cross_track) else NAN,
+        limits_hit=limits_hit(record, flown),
+        airspeed_rms_error_mps=root_mean_square(columns["own.airspeed_mps"][flown] - record.plan.speed_mps),
+        wind_along_std_mps=wind_along_std(record, flown),
         begin_s_m=float(columns["guidance.s_m"][0]) if len(cross_track) else NAN,
     )
 
@@ -59,6 +65,37 @@ def extreme(pick: object, values: Array) -> float:
     """The largest or least finite value; NaN when there is none."""
     finite = values[np.isfinite(values)]
     return float(pick(finite)) if len(finite) else NAN  # type: ignore[operator]
+
+
+def root_mean_square(values: Array) -> float:
+    """NaN for none."""
+    return float(np.sqrt(np.mean(values**2))) if len(values) else NAN
+
+
+def limits_hit(record: FlightRecord, flown: slice) -> str:
+    """Names of the aircraft's limits that were reached, separated by spaces; what a plant does not have it cannot reach."""
+    columns = {name: column[flown] for name, column in record.columns.items() if column.ndim == 1}
+    if not len(columns["time_s"]):
+        return ""
+    limited, throttle = columns["guidance.limited"], columns["own.throttle"]
+    roll_limit = load_aircraft(record.plan.aircraft).limits.roll_rate_dps * DEG
+    hit = {
+        "bank": np.isin(limited, (BANK_LIMITED, BANK_LIMITED + LIFT_LIMITED)),
+        "load_factor": limited >= LIFT_LIMITED,
+        "roll_rate": np.abs(record.columns["own.rates_body_radps"][flown, 0]) >= NEAR_LIMIT * roll_limit,
+        "surface": columns["own.at_stop"] > 0.0,
+        "thrust": (throttle >= 1.0) | (throttle <= 0.0),
+    }
+    return " ".join(name for name, rows in hit.items() if rows.any())
+
+
+def wind_along_std(record: FlightRecord, flown: slice) -> float:
+    """Standard deviation (m/s) of the air's velocity along the velocity over the ground."""
+    vel, wind = record.columns["own.vel_enu_mps"][flown], record.columns["air.wind_enu_mps"][flown]
+    speed = np.linalg.norm(vel, axis=1)
+    moving = speed > 0.0
+    along = np.einsum("ij,ij->i", vel[moving], wind[moving]) / speed[moving]
+    return float(np.std(along)) if len(along) else NAN
 
 
 def goal_crossing(record: FlightRecord) -> tuple[int, float]:

@@ -44,6 +44,8 @@ METRICS = (
     Column("min_airspeed_mps", "least airspeed", "m/s", 1, "low", "Least airspeed."),
     Column("max_alpha_deg", "alpha", "deg", 1, "high", "Largest angle of attack."),
     Column("saturated_share", "saturated", "", 2, "high", "Share of the flight in which guidance asked for more than the limits allow."),
+    Column("airspeed_rms_error_mps", "airspeed error", "m/s", 2, "high", "Root mean square difference of the airspeed from the set speed."),
+    Column("wind_along_std_mps", "gusts along", "m/s", 2, "", "Standard deviation of the air's velocity along the flight."),
     Column("replans", "re-plans", "", 0, "", "Number of times the path was changed."),
 )  # fmt: skip
 

@@ -7,7 +7,7 @@ import pytest
 
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.autopilot import Autopilot, Memory
-from testbed.flight.guidance import LookAheadLaw, SpeedHold
+from testbed.flight.guidance import BANK_LIMITED, LIFT_LIMITED, LookAheadLaw, SpeedHold
 from testbed.flight.guidance_l1 import L1Law
 from testbed.flight.path import STEP_M, ActivePath
 from testbed.flight.plants.base import Command, State
@@ -96,8 +96,15 @@ def test_limits_are_kept_and_flagged() -> None:
     command, memory, telemetry = law().step(law().start(100.0), LEVEL._replace(x=100.0, y=300.0, z=-300.0), straight())
     assert abs(command.bank) <= GTM.limits.bank_deg * DEG
     assert GTM.limits.load_factor_min <= command.load_factor <= GTM.limits.load_factor_max
-    assert telemetry.saturated == 1.0
+    assert telemetry.limited == LIFT_LIMITED
     assert (memory.left, memory.up) == (0.0, 0.0), "no wind-up at a limit"
+
+
+def test_a_bank_limit_is_told_from_a_lift_limit() -> None:
+    """High and to the left: the push-over leaves so little lift that the turn would need more bank than it may have."""
+    command, _, telemetry = law().step(law().start(100.0), LEVEL._replace(x=100.0, y=6.0, z=5.5), straight())
+    assert command.bank == pytest.approx(GTM.limits.bank_deg * DEG)
+    assert telemetry.limited == BANK_LIMITED
 
 
 def test_a_slow_aircraft_is_not_asked_for_lift_it_does_not_have() -> None:
@@ -112,7 +119,7 @@ def test_speed_before_height(share: float, most: float) -> None:
     slow = share * GTM.limits.speed_min_mps
     command, _, telemetry = law().step(law().start(100.0), LEVEL._replace(x=100.0, z=-50.0, vx=slow, airspeed=slow), straight())
     assert command.load_factor == pytest.approx(most, abs=1e-9)
-    assert telemetry.saturated == 1.0
+    assert telemetry.limited == LIFT_LIMITED
 
 
 def test_the_table_agrees_with_the_exact_path() -> None:

@@ -53,3 +53,21 @@ def test_planned_clearance_is_the_clearance_of_a_point_on_schedule() -> None:
     obstacle = {"name": "O", "radius_m": 5, "position_enu_m": [300, -188, 3], "speed_mps": 30, "direction_deg": [90, 0]}
     metrics = measure(fly(plan(route=STRAIGHT, obstacles=[obstacle], method={"kind": "none"}, **KINEMATIC)))
     assert metrics.planned_clearance_m == pytest.approx(metrics.least_clearance_m, abs=1e-9)
+
+
+def test_the_limits_that_were_reached_are_named() -> None:
+    """Straight on nothing is; a turn of 60 m radius asks gtm_t2 for more bank and lift than it may have."""
+    straight, tight = (
+        measure(fly(plan(route=route, begin={"at_route_s_m": 0}, plant={"kind": "jsbsim"})))
+        for route in (STRAIGHT, {"start_enu_m": [0, 0, 0], "start_direction_deg": [0, 0], "shape": {"kind": "circle", "radius_m": 60}})
+    )
+    assert straight.limits_hit == ""
+    assert {"bank", "load_factor"} <= set(tight.limits_hit.split())
+    assert straight.airspeed_rms_error_mps < 0.2
+    assert straight.wind_along_std_mps == pytest.approx(0.0, abs=1e-9)
+
+
+def test_gusts_along_the_flight_are_those_of_the_air(record: FlightRecord) -> None:
+    wind = np.zeros_like(record.columns["own.pos_enu_m"])
+    wind[:, 0] = 3.0 * np.sin(record.columns["time_s"] * 2 * math.pi)  # twelve whole periods along the flight
+    assert measure(changed(record, **{"air.wind_enu_mps": wind})).wind_along_std_mps == pytest.approx(3.0 / math.sqrt(2.0), rel=1e-2)

@@ -143,7 +143,8 @@ def metrics(flight: FlightRecord) -> FlightMetrics:
         flight_time_s=last_s, cross_track_rms_m=0.21, cross_track_max_m=0.3, schedule_error_s=0.0, max_bank_deg=BANK_RAD / DEG,
         max_load_factor=float(load.max()), min_load_factor=float(load.min()), max_roll_rate_dps=0.0,
         min_airspeed_mps=float(airspeed.min()), max_airspeed_mps=float(airspeed.max()), max_alpha_deg=math.nan,
-        planned_length_m=402.5, planned_min_radius_m=103.0, planned_clearance_m=6.1, saturated_share=0.0, begin_s_m=0.0,
+        planned_length_m=402.5, planned_min_radius_m=103.0, planned_clearance_m=6.1, saturated_share=0.0, begin_s_m=0.0, limits_hit="",
+        airspeed_rms_error_mps=0.2, wind_along_std_mps=0.0,
     )  # fmt: skip
 
 
