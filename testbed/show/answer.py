@@ -220,6 +220,7 @@ def cells(rows: Sequence[Row], axes: Sequence[str]) -> list[dict[str, Any]]:
                 "flyer": name,
                 "method": method,
                 "n": len(members),
+                "rows": members,
                 "collided": _collided(members).removesuffix(" flights").removesuffix(" flight"),
                 "outcomes": outcomes(members),
                 "summary": summary,

@@ -18,6 +18,7 @@ from testbed.show import answer
 from testbed.show.answer import Row
 from testbed.show.columns import BY_KEY, DECISION_TERMS, METRICS, SUMMARISED, value
 from testbed.show.figures import figure_data
+from testbed.show.histogram import histograms
 from testbed.show.story import level_turn, number, radius_m
 from testbed.spec.model import Campaign
 from testbed.units import DEG
@@ -40,6 +41,7 @@ def render_page(
     listed = _worst_first(rows) if len(rows) > MOST_FLIGHT_ROWS else rows
     decisions = [_decision(row, event, axes) for row in rows if row["method"] != "none" for event in row["events"]]
     figures = figure_data(rows, series, axes)
+    by_cell = answer.cells(rows, axes) if len(rows) >= CELLS_FROM or campaign.replicates > 1 else []
     environment = Environment(
         loader=PackageLoader("testbed.show"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
@@ -50,7 +52,8 @@ def render_page(
         cards=answer.cards(rows) if rows else [],
         checks=[_check(line) for line in checks],
         pairs=[_pair(pair, axes) for pair in matched],
-        cells=answer.cells(rows, axes) if len(rows) >= CELLS_FROM or campaign.replicates > 1 else [],
+        cells=by_cell,
+        histograms=histograms(by_cell),
         summarised=[BY_KEY[key] for key in SUMMARISED],
         metrics=METRICS,
         flights=[_flight(row, listed_axes) for row in listed[:MOST_FLIGHT_ROWS]],

@@ -235,3 +235,21 @@ def test_a_browser_draws_it_without_error_or_request(browser: Any, four: tuple[l
         page.emulate_media(media="print")
         page.close()
     assert problems == []
+
+
+def test_crowded_cells_have_a_histogram_that_counts_every_flight() -> None:
+    import numpy as np
+
+    from testbed.show.histogram import BINS, HEIGHT, histograms
+
+    rng = np.random.default_rng(4)
+    rms = np.append(rng.uniform(0.0, 0.4, 199), 9.0)
+    rows = [{"cross_track_rms_m": float(x), "least_clearance_m": None} for x in rms]
+    few = {"n": 3, "rows": rows[:3], "place": "few", "flyer": "x", "method": "none"}
+    (metric,) = histograms([{"n": 200, "rows": rows, "place": "<b>", "flyer": "gtm_t2", "method": "none"}, few])
+    (picture,) = metric["pictures"]
+    svg = str(picture["svg"])
+    heights = [float(part.split('"')[0]) for part in svg.split('height="')[1:]]
+    counts = np.histogram(rms, np.linspace(0.0, np.percentile(rms, 99), BINS + 1))[0]
+    assert heights == pytest.approx((HEIGHT * counts[counts > 0] / counts.max()).tolist(), abs=0.06)
+    assert f"{200 - counts.sum()} beyond" in svg
