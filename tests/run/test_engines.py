@@ -105,17 +105,6 @@ def test_a_worker_killed_from_outside_costs_nothing():
     assert dict(items_with_a_killing()) == {x: x * x for x in range(10)}
 
 
-@pytest.fixture
-def ctrl_c():
-    """Ctrl-C as a fresh process has it, whatever a library that ran before has made of it."""
-    handler = signal.signal(signal.SIGINT, signal.default_int_handler)
-    mask = signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    yield
-    signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-    signal.signal(signal.SIGINT, handler)
-
-
-@pytest.mark.usefixtures("ctrl_c")
 def test_leaving_early_ends_the_workers(tmp_path):
     outcome = LocalEngine(2).imap(fakes.sleeps, [(tmp_path, x) for x in range(2)])
     thread = threading.Thread(

@@ -1,0 +1,7 @@
+"""What every test relies on."""
+
+import signal
+
+# A shell that starts the suite in the background tells it, and all that it starts, to ignore Ctrl-C. Some tests are about Ctrl-C.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
