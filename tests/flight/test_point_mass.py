@@ -111,6 +111,18 @@ def test_on_the_original_path_it_agrees_with_six_degrees_of_freedom(case: dict) 
     assert abs(point.flight_time_s - aeroplane.flight_time_s) < 0.1
 
 
+def test_on_a_gentle_level_path_all_plants_agree() -> None:
+    """Radius above 1500 m, calm: within 0.5 m of the path and 0.05 s of each other."""
+    gentle = {"start_enu_m": [0, 0, 0], "goal_enu_m": [600, 60, 0], "start_direction_deg": [0, 0], "goal_direction_deg": [11.4, 0]}
+    cases = [{"plant": {"kind": "kinematic"}}]
+    cases += [{"plant": {"kind": kind}, "aircraft": name} for kind in ("point_mass", "jsbsim") for name in ("gtm_t2", "c172p")]
+    flown = [measure(fly(plan(route=gentle, **case))) for case in cases]
+    assert flown[0].planned_min_radius_m > 1500.0
+    assert max(metrics.cross_track_max_m for metrics in flown) < 0.5
+    times = [metrics.flight_time_s for metrics in flown]
+    assert max(times) - min(times) < 0.05
+
+
 def test_each_limit_costs_clearance_and_roll_costs_most() -> None:
     """Section 5.1: with every limit ideal the plan's own clearance is kept; with roll alone limited it is lost."""
 
