@@ -169,7 +169,7 @@ def test_a_diverged_flight_is_shown_up_to_its_last_finite_row(tmp_path: Path, ma
 
 @pytest.mark.slow
 @pytest.mark.viewer
-def test_the_viewer_shows_it_without_complaint(flown: tuple[FlightRecord, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_viewer_shows_it_without_complaint(flown: tuple[FlightRecord, Path], tmp_path: Path) -> None:
     if not list(Path("/usr/share/vulkan/icd.d").glob("*.json")):
         pytest.skip("no Vulkan driver (Debian: mesa-vulkan-drivers)")
     import socket
@@ -177,11 +177,13 @@ def test_the_viewer_shows_it_without_complaint(flown: tuple[FlightRecord, Path],
 
     from rerun.experimental import ViewerClient
 
-    monkeypatch.setenv("PATH", f"{RERUN.parent}{os.pathsep}{os.environ['PATH']}")
+    local = tmp_path / "rerun"  # spawn() cannot say that the viewer shall listen on loopback only
+    local.write_text(f'#!/bin/sh\nexec "{RERUN}" --bind 127.0.0.1 "$@"\n')
+    local.chmod(0o755)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    with ViewerClient.spawn(headless=True, port=port) as viewer:
+    with ViewerClient.spawn(headless=True, port=port, executable_path=str(local)) as viewer:
         viewer.open(str(flown[1]))
         pictures = []
         for at_s in (0.5, 4.6):
