@@ -204,11 +204,12 @@ def cards(rows: Sequence[Row]) -> list[dict[str, str]]:
 
 def cells(rows: Sequence[Row], axes: Sequence[str]) -> list[dict[str, Any]]:
     """One line per cell: how many, how they ended, median and worst."""
-    grouped: dict[tuple[str, str, str], list[Row]] = {}
+    grouped: dict[str, list[Row]] = {}
     for row in rows:
-        grouped.setdefault((circumstances(row, axes), flyer(row), str(row["method"])), []).append(row)
+        grouped.setdefault(str(row["cell"]), []).append(row)
     lines = []
-    for (place, name, method), members in grouped.items():
+    for members in grouped.values():
+        first = members[0]  # the one whose series is kept, which says how the encounter is turned
         summary = {}
         for key in SUMMARISED:
             known = [x for x in (value(row, key) for row in members) if math.isfinite(x)]
@@ -216,9 +217,9 @@ def cells(rows: Sequence[Row], axes: Sequence[str]) -> list[dict[str, Any]]:
             summary[key] = (number(median(known) if known else math.nan, BY_KEY[key].digits), number(worst, BY_KEY[key].digits), worst)
         lines.append(
             {
-                "place": place,
-                "flyer": name,
-                "method": method,
+                "place": circumstances(first, axes),
+                "flyer": flyer(first),
+                "method": str(first["method"]),
                 "n": len(members),
                 "rows": members,
                 "collided": _collided(members).removesuffix(" flights").removesuffix(" flight"),
