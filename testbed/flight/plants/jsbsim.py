@@ -1,6 +1,6 @@
 """Six degrees of freedom: JSBSim flies the aircraft, the autopilot holds its commands.
 
-The only file that imports jsbsim, and the only one with feet in it. JSBSim creates a property that is written under a
+The only file that imports jsbsim; feet stay here and in ``jsbsim_air.py`` and ``rig.py``. JSBSim creates a property that is written under a
 wrong name and reads 0 from a missing one, so every name is looked up once, refused when absent, and kept as a bound method.
 """
 
