@@ -26,6 +26,11 @@ class Chain:
         """Which piece an arc length lies on."""
         return max(0, int(np.searchsorted(self.starts_m, s_m, side="right")) - 1)
 
+    def tail(self, s_m: float) -> tuple[ph.Curve, ...]:
+        """The pieces from an arc length in [0, length_m) on."""
+        k = self.leg(s_m)
+        return (self.curves[k].tail(s_m - self.starts_m[k]), *self.curves[k + 1 :])
+
     def frame(self, s_m: float) -> tuple[Vec3, Vec3, Vec3]:
         """Point (m), unit tangent and curvature vector (1/m) at an arc length."""
         if 0.0 <= s_m <= self.length_m:

@@ -46,8 +46,8 @@ class PlannedPath:
 class ReplanEvent:
     """One decision of the planner, with its inputs and its result. Vectors are ENU; unknown quantities are NaN.
 
-    ``decision`` is ``replanned`` (the path changed), or why it did not: ``no_insertion_point``, ``no_free_direction``,
-    ``inside``, ``undefined``, ``no_path``.
+    ``decision`` is ``replanned`` (the path avoids), ``rejoined`` (the path leads back), or why the path did not change:
+    ``none``, ``no_insertion_point``, ``no_free_direction``, ``inside``, ``undefined``, ``no_path``.
     """
 
     time_s: float
@@ -63,7 +63,8 @@ class ReplanEvent:
     alpha_rad: float  # angle of the relative velocity from the line of sight (section 2, step 2)
     alpha0_rad: float  # half-angle of the collision cone (section 2, step 1)
     time_to_cpa_s: float
-    miss_m: float  # least distance of the straight lines to the centre
+    miss_m: float  # least distance of the straight lines to the centre (the paper's threat test)
+    route_miss_m: float  # least distance to a threat's centre along the path of that moment (rejoined: along the way back)
     cap_radius_mps: float  # G = (r, psi_r, theta_r, gamma), eq. 24-28
     cap_azimuth_rad: float
     cap_elevation_rad: float
@@ -71,11 +72,11 @@ class ReplanEvent:
     command_enu_mps: Vec3  # the avoidance velocity
     deflection_rad: float
     margin_rad: float
-    insertion_enu_m: Vec3  # Q_avo, eq. 34-35
+    insertion_enu_m: Vec3  # Q_avo, eq. 34-35; NaN where the direction is flown at once
     insertion_time_s: float  # after time_s
     max_curvature_to_insertion_1pm: float
     max_curvature_to_goal_1pm: float
-    planned_length_m: float  # from the present position to the goal
+    planned_length_m: float  # of the new path
     wind_known_enu_mps: Vec3 = (0.0, 0.0, 0.0)  # what the planner took for the wind; cap, command's size, deflection and insertion
     # rule are those of the velocities less this wind, while the velocities here are over the ground
 
@@ -130,9 +131,22 @@ class FlightMetrics:
     max_alpha_deg: float
     planned_length_m: float
     planned_min_radius_m: float
-    planned_clearance_m: float
+    planned_clearance_m: float  # of a point that keeps to the planned paths and their schedule
+    schedule_part_m: float  # what being early or late on the path added to it; with the next one the sum is least_clearance_m
+    cross_track_part_m: float  # what being off the path added
     saturated_share: float
     limits_hit: str  # bank load_factor roll_rate surface thrust, those that were reached
     airspeed_rms_error_mps: float  # from the set speed
     wind_along_std_mps: float  # standard deviation of the air's velocity along the flight
     begin_s_m: float
+    route_miss_m: float  # least distance to the threat's centre along the path flown at the first decision
+    deflection_ground_deg: float  # commanded, over the ground; deflection_deg is the planner's, through the air that it knows
+    flown_deflection_deg: float  # of the velocity over the ground at the closest passage of the insertion point
+    flown_deflection_air_deg: float  # the same, of the velocity through the air
+    peak_deflection_deg: float  # largest before the flight is clear, over the ground
+    peak_deflection_air_deg: float
+    avoidance_time_s: float  # trigger to the closest passage of the insertion point
+    insertion_miss_m: float  # distance there
+    clear_time_s: float  # trigger to clear: every obstacle opens, and the rest of the flight keeps every radius
+    rejoin_time_s: float  # trigger to back on the route for good (within 5 m)
+    rejoin_length_m: float  # ground arc until then

@@ -11,11 +11,12 @@ so speed and arc length are polynomials and exact (Farouki, al-Kandari, Sakkalis
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from vosc.polynomial import Poly, derivative, difference, extremum_candidates, horner, integral, nearest, product, total
-from vosc.vec import FloatArray, Vec, array, dot
+from vosc.vec import FloatArray, Vec, array, combine, dot, scale
 
 TABLE = 32  # intervals of the arc-length table that starts the inversion
 SEARCH = 128  # intervals of the sampling that starts the projection
@@ -220,6 +221,16 @@ class Curve:
         """Curvature at arc length ``s_m``, 1/m, never negative."""
         k = self.frame(s_m)[2]
         return math.hypot(k[0], k[1], k[2])
+
+    def tail(self, s_m: float) -> "Curve":
+        """The same curve from arc length ``s_m`` (0 <= s_m < length_m) on: its preimage subdivided (de Casteljau)."""
+        t = self.parameter(s_m)
+        row, last = list(self.a), []
+        while row:
+            last.append(row[-1])
+            row = [combine(1.0 - t, p, t, q) for p, q in pairwise(row)]
+        # on the rest of the interval dr/du = (1 - t) dr/dt, so the preimage shrinks by the root
+        return Curve(self.frame(s_m)[0], self.e, tuple(scale(math.sqrt(1.0 - t), a) for a in reversed(last)))
 
     # ---- many at once ----------------------------
 

@@ -15,7 +15,8 @@ from testbed.flight.log import FlightLog, finish
 from testbed.flight.parts import GUIDANCE, PLANTS
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import Plant, Start, State, TrimFailedError
-from testbed.flight.replan import Handled, Planner
+from testbed.flight.replan import Memory as PlannerMemory
+from testbed.flight.replan import Planner
 from testbed.flight.scene import Scene, make_scene
 from testbed.spec.model import FlightPlan
 from testbed.types import FlightRecord, Outcome
@@ -51,7 +52,7 @@ def _loop(plan: FlightPlan, scene: Scene, path: ActivePath, plant: Plant, law: L
     """The block diagram."""
     hz, ticks_per_command = plan.rates.plant_hz, range(plan.rates.plant_hz // plan.rates.guidance_hz)
     planner_every = hz // plan.rates.planner_hz
-    planner, handled = Planner(plan, scene), Handled()
+    planner, planned = Planner(plan, scene), PlannerMemory()
     memory = law.start(scene.begin_s_m)
     plant.follow(path, scene.begin_s_m)
     ended = _Ending(plan, scene)
@@ -63,7 +64,7 @@ def _loop(plan: FlightPlan, scene: Scene, path: ActivePath, plant: Plant, law: L
         if ended.check(tick, state, path.length_m - memory.s_m):
             return ended.outcome, ended.message
         if tick % planner_every == 0:
-            handled, new_path, event = planner.step(handled, tick / hz, state)
+            planned, new_path, event = planner.step(planned, tick / hz, state, path, memory.s_m)
             if event is not None:
                 log.events.append(event)
             if new_path is not None:

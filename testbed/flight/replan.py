@@ -1,6 +1,9 @@
 """From a threat to a new path: detection -> threat test -> method -> insertion point -> PH paths. The one place that calls ``avoid``.
 
-One new path per new threat (policy ``once``); every decision is an event with its inputs and its result, whatever it was.
+One new path per new threat (policy ``once``); every decision is an event with its inputs and its result, whatever it was. The paper
+applies the avoidance direction at the insertion point only (``answer: insertion_point``), so the S-turn before it is not covered by
+what a velocity obstacle promises; ``answer: direct`` flies the direction at once, from where the aircraft is. How the flight comes back
+is in ``rejoin.py``.
 
 In a wind (``vo_frame: air``) the decision is made in the frame that moves with the air as the planner knows it and that coincides
 with the ground's at the instant of the decision. There the aircraft flies at its airspeed whatever its direction, which is what a
@@ -20,8 +23,11 @@ all this with the velocities over the ground, as if the present ground speed cou
 import math
 from typing import NamedTuple
 
+from testbed.chain import Chain
+from testbed.flight.decision import Sighting, carried, make_event
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import State
+from testbed.flight.rejoin import Rejoin, miss_along, ray
 from testbed.flight.scene import Scene
 from testbed.flight.sensor import detect
 from testbed.flight.traffic import Track
@@ -29,22 +35,20 @@ from testbed.frames import Vec3, vec3
 from testbed.seeds import stream
 from testbed.spec.model import FlightPlan
 from testbed.types import ReplanEvent
-from vosc import Insertion, Obstacle, Own, Threat, cap, insertion_point, ph, threat
+from vosc import Insertion, Own, insertion_point, ph
 from vosc.methods import Avoidance, avoid
+from vosc.vec import add, norm, scale, sub
 
-NAN = math.nan
-NOWHERE: Vec3 = (NAN, NAN, NAN)
 STILL: Vec3 = (0.0, 0.0, 0.0)
-Handled = frozenset[str]
-"""The planner's memory: names of the threats that have been answered."""
 
 
-class Sighting(NamedTuple):
-    """An obstacle in range that threatens."""
+class Memory(NamedTuple):
+    """The planner's memory: names of the threats that have been answered, and from which arc length of the active path on the
+    flight holds the avoidance direction until it is clear (infinite when it does not).
+    """
 
-    track: Track
-    obstacle: Obstacle  # its velocity is the one in the planner's frame
-    threat: Threat
+    handled: frozenset[str] = frozenset()
+    hold_from_s_m: float = math.inf
 
 
 def may_threaten(state: State, track: Track, centre: Vec3) -> bool:
@@ -64,6 +68,7 @@ class Planner:
 
     def __init__(self, plan: FlightPlan, scene: Scene) -> None:
         self._plan, self._scene = plan, scene
+        self._rejoin = Rejoin(plan, scene)
         self._error = _wind_error(plan)
 
     def wind_known(self, time_s: float, pos: Vec3) -> Vec3:
@@ -71,70 +76,84 @@ class Planner:
         settings = self._plan.replan
         if settings.vo_frame == "ground_naive" or settings.wind_known == "none":
             return STILL
-        return plus(self._scene.air.mean(time_s, pos), self._error)
+        return add(self._scene.air.mean(time_s, pos), self._error)
 
-    def step(self, handled: Handled, time_s: float, state: State) -> tuple[Handled, ActivePath | None, ReplanEvent | None]:
-        """One tick: the new path, if there is one, and the event, if there was a new threat."""
+    def step(
+        self, memory: Memory, time_s: float, state: State, path: Chain, s_m: float
+    ) -> tuple[Memory, ActivePath | None, ReplanEvent | None]:
+        """One tick of a flight that is at ``s_m`` of ``path``: the new path, if there is one, and the event, if something was decided."""
         own_pos = (state.x, state.y, state.z)
         seen = detect(self._plan.sensor, self._scene.tracks, time_s, own_pos)
-        if not any(track.name not in handled and may_threaten(state, track, centre) for track, centre in seen):
-            return handled, None, None
-        wind = self.wind_known(time_s, own_pos)
-        own = Own(own_pos, minus((state.vx, state.vy, state.vz), wind))
-        threats = []
-        for track, centre in seen:
-            obstacle = Obstacle(centre, minus(track.vel, wind), track.radius)
-            found = threat(own, obstacle, self._plan.replan.horizon_s)
-            if found.is_threat:
-                threats.append(Sighting(track, obstacle, found))
-        if all(sighting.track.name in handled for sighting in threats):
-            return handled, None, None
-        path, event = self._answer(time_s, own, threats, wind)
-        return handled | {sighting.track.name for sighting in threats}, path, event
+        if any(track.name not in memory.handled and may_threaten(state, track, centre) for track, centre in seen):
+            threats = self._threats(time_s, state, seen)
+            if any(sighting.track.name not in memory.handled for sighting in threats):
+                return self._answer(memory, time_s, state, threats, path, s_m)
+        if s_m >= memory.hold_from_s_m:
+            known = [track for track in self._scene.tracks if track.name in memory.handled or any(track is other for other, _ in seen)]
+            return self._back(memory, time_s, state, known)
+        return memory, None, None
 
-    def _answer(self, time_s: float, own: Own, threats: list[Sighting], wind: Vec3) -> tuple[ActivePath | None, ReplanEvent]:
-        """Path and event; ``own`` and the obstacles are those of the planner's frame, which moves with ``wind``."""
-        settings = self._plan.replan
+    def _own(self, time_s: float, state: State) -> tuple[Own, Vec3]:
+        """The aircraft in the planner's frame, and the wind that this frame moves with."""
+        pos = (state.x, state.y, state.z)
+        wind = self.wind_known(time_s, pos)
+        return Own(pos, sub((state.vx, state.vy, state.vz), wind)), wind
+
+    def _threats(self, time_s: float, state: State, seen: list[tuple[Track, Vec3]]) -> list[Sighting]:
+        """The threats among what is seen."""
+        own, wind = self._own(time_s, state)
+        sightings = [Sighting.of(track, centre, own, wind, self._plan.replan.horizon_s) for track, centre in seen]
+        return [sighting for sighting in sightings if sighting.threat.is_threat]
+
+    def _answer(
+        self, memory: Memory, time_s: float, state: State, threats: list[Sighting], path: Chain, s_m: float
+    ) -> tuple[Memory, ActivePath | None, ReplanEvent]:
+        """Decide on the avoidance and plan the path that does it; all threats count, old and new."""
+        settings, kind = self._plan.replan, self._plan.method.kind
+        own, wind = self._own(time_s, state)
         major = min(threats, key=lambda sighting: time_of_collision(own, sighting))
-        answer = avoid(self._plan.method.kind, own, [sighting.obstacle for sighting in threats], **self._plan.method.options)
-        insertion, path, decision = None, None, answer.status
-        if self._plan.method.kind == "none":
-            decision = "none"
-        elif answer.status in ("avoided", "unsafe"):
-            insertion = insertion_point(own, major.obstacle, settings.k, settings.time_rule)
-            path = self._path(own, answer, insertion, wind) if insertion else None
-            decision = "replanned" if path else ("no_path" if insertion else "no_insertion_point")
-        return path, make_event(time_s, decision, self._plan.method.kind, own, major, answer, insertion, path, wind)
+        answer = avoid(kind, own, [sighting.obstacle for sighting in threats], **self._plan.method.options)
+        memory = memory._replace(handled=memory.handled | {sighting.track.name for sighting in threats})
+        insertion, new, decision = None, None, "none" if kind == "none" else answer.status
+        if kind != "none" and answer.status in ("avoided", "unsafe"):
+            direct = settings.answer == "direct"
+            insertion = None if direct else insertion_point(own, major.obstacle, settings.k, settings.time_rule)
+            new = self._path(own, answer, insertion, wind) if direct or insertion else None
+            decision = "replanned" if new else "no_path" if direct or insertion else "no_insertion_point"
+        if new is not None:
+            holds = insertion is None or settings.rejoin.when == "clear"
+            memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf)
+        passing = miss_along(path, s_m, norm(add(own.vel_mps, wind)), time_s, [sighting.track for sighting in threats])
+        return memory, new, make_event(time_s, decision, kind, own, major, answer, insertion, new, wind, passing)
 
-    def _path(self, own: Own, answer: Avoidance, insertion: Insertion, wind: Vec3) -> ActivePath | None:
-        """PH from the present state to the insertion point with the avoidance direction there, and PH on to the goal."""
-        chords = self._plan.replan.magnitude_chords
-        start, middle, goal = own.pos_m, carried(insertion, wind), self._scene.goal
-        now, command = plus(own.vel_mps, wind), plus(vec3(answer.velocity_mps), wind)
-        first, second = chords * math.dist(start, middle), chords * math.dist(middle, goal)
+    def _path(self, own: Own, answer: Avoidance, insertion: Insertion | None, wind: Vec3) -> ActivePath | None:
+        """PH from the present state to the insertion point with the avoidance direction there, and on; or that direction at once."""
+        settings = self._plan.replan
+        command = add(vec3(answer.velocity_mps), wind)
         try:
-            there = ph.hermite(start, resized(now, first), middle, resized(command, first))
-            on = ph.hermite(middle, resized(command, second), goal, resized(self._scene.goal_tangent, second))
+            if insertion is None:
+                return ActivePath((ray(own.pos_m, command),))
+            start, middle = own.pos_m, carried(insertion, wind)
+            size = settings.magnitude_chords * math.dist(start, middle)
+            there = ph.hermite(start, resized(add(own.vel_mps, wind), size), middle, resized(command, size))
+            on = (ray(middle, command),) if settings.rejoin.when == "clear" else self._rejoin.curves(middle, command)
+            return ActivePath((there, *on))
         except (ValueError, ZeroDivisionError):  # coincident points; a command that stands still over the ground
             return None
-        return ActivePath((there, on))
 
-
-def plus(a: Vec3, b: Vec3) -> Vec3:
-    """Sum of two vectors."""
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def minus(a: Vec3, b: Vec3) -> Vec3:
-    """First vector less the second."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def carried(insertion: Insertion, wind: Vec3) -> Vec3:
-    """The insertion point over the ground: where the wind has carried the one in the air when the aircraft is due there."""
-    x, y, z = vec3(insertion.point_m)
-    t = insertion.time_s
-    return x + t * wind[0], y + t * wind[1], z + t * wind[2]
+    def _back(
+        self, memory: Memory, time_s: float, state: State, known: list[Track]
+    ) -> tuple[Memory, ActivePath | None, ReplanEvent | None]:
+        """The way back, once the flight is clear."""
+        path = self._rejoin.when_clear(time_s, state, known)
+        if path is None:
+            return memory, None, None
+        own, wind = self._own(time_s, state)
+        nearest = min(known, key=lambda track: math.dist(own.pos_m, track.at(time_s)) - track.radius)
+        sighting = Sighting.of(nearest, nearest.at(time_s), own, wind, self._plan.replan.horizon_s)
+        passing = miss_along(path, 0.0, norm((state.vx, state.vy, state.vz)), time_s, known)
+        event = make_event(time_s, "rejoined", self._plan.method.kind, own, sighting, None, None, path, wind, passing)
+        return memory._replace(hold_from_s_m=math.inf), path, event
 
 
 def _wind_error(plan: FlightPlan) -> Vec3:
@@ -147,8 +166,7 @@ def _wind_error(plan: FlightPlan) -> Vec3:
 
 def resized(vector: Vec3, size: float) -> Vec3:
     """The vector scaled to a length."""
-    factor = size / math.hypot(*vector)
-    return factor * vector[0], factor * vector[1], factor * vector[2]
+    return scale(size / norm(vector), vector)
 
 
 def time_of_collision(own: Own, sighting: Sighting) -> float:
@@ -156,47 +174,3 @@ def time_of_collision(own: Own, sighting: Sighting) -> float:
     distance = math.dist(own.pos_m, sighting.obstacle.pos_m)
     speed = math.hypot(*sighting.obstacle.vel_mps)
     return (distance - sighting.track.radius) / speed if speed > 0.0 else math.inf
-
-
-def make_event(
-    time_s: float,
-    decision: str,
-    method: str,
-    own: Own,
-    major: Sighting,
-    answer: Avoidance,
-    insertion: Insertion | None,
-    path: ActivePath | None,
-    wind: Vec3 = STILL,
-) -> ReplanEvent:
-    """Everything that went into a decision and came out of it."""
-    g = cap(own, major.obstacle)
-    return ReplanEvent(
-        time_s=time_s,
-        obstacle=major.track.name,
-        decision=decision,
-        method=method,
-        status=answer.status,
-        own_pos_enu_m=own.pos_m,
-        own_vel_enu_mps=plus(own.vel_mps, wind),
-        obstacle_pos_enu_m=major.obstacle.pos_m,
-        obstacle_vel_enu_mps=major.track.vel,
-        radius_m=major.track.radius,
-        alpha_rad=major.threat.alpha_rad,
-        alpha0_rad=major.threat.alpha0_rad,
-        time_to_cpa_s=major.threat.time_to_cpa_s,
-        miss_m=major.threat.miss_m,
-        cap_radius_mps=g.radius_mps if g else NAN,
-        cap_azimuth_rad=g.azimuth_rad if g else NAN,
-        cap_elevation_rad=g.elevation_rad if g else NAN,
-        cap_half_angle_rad=g.half_angle_rad if g else NAN,
-        command_enu_mps=plus(vec3(answer.velocity_mps), wind) if path else NOWHERE,
-        deflection_rad=answer.deflection_rad if path else NAN,
-        margin_rad=answer.margin_rad,
-        insertion_enu_m=carried(insertion, wind) if insertion else NOWHERE,
-        insertion_time_s=insertion.time_s if insertion else NAN,
-        max_curvature_to_insertion_1pm=path.curves[0].max_curvature() if path else NAN,
-        max_curvature_to_goal_1pm=path.curves[1].max_curvature() if path else NAN,
-        planned_length_m=path.length_m if path else NAN,
-        wind_known_enu_mps=wind,
-    )

@@ -1,6 +1,7 @@
 """From a record to one row of ``results.csv``. Nothing is flown here."""
 
 import math
+from dataclasses import asdict
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from testbed.flight.aircraft import load_aircraft
 from testbed.flight.guidance import BANK_LIMITED, LIFT_LIMITED
 from testbed.flight.schedule import arc_lengths, planned_time
 from testbed.flight.traffic import least_clearance
+from testbed.results.avoidance import avoidance, clearance_of, followed_clearance
 from testbed.types import FlightMetrics, FlightRecord, Outcome, PlannedPath
 from testbed.units import DEG
 
@@ -52,12 +54,16 @@ def measure(record: FlightRecord) -> FlightMetrics:
         max_alpha_deg=extreme(np.max, columns["own.alpha_rad"][flown]) / DEG,
         planned_length_m=record.paths[-1].length_m if record.paths else NAN,
         planned_min_radius_m=1.0 / curvature if curvature > 0.0 else NAN,
-        planned_clearance_m=planned_clearance(record),
+        planned_clearance_m=(planned := planned_clearance(record)),
+        schedule_part_m=(followed := followed_clearance(record)) - planned,
+        cross_track_part_m=clearance - followed,
         saturated_share=float(np.mean(columns["guidance.saturated"][flown])) if len(cross_track) else NAN,
         limits_hit=limits_hit(record, flown),
         airspeed_rms_error_mps=root_mean_square(columns["own.airspeed_mps"][flown] - record.plan.speed_mps),
         wind_along_std_mps=wind_along_std(record, flown),
         begin_s_m=float(columns["guidance.s_m"][0]) if len(cross_track) else NAN,
+        route_miss_m=record.events[0].route_miss_m if record.events else NAN,
+        **asdict(avoidance(record, end)),
     )
 
 
@@ -179,11 +185,7 @@ def planned_clearance(record: FlightRecord) -> float:
         s = arc_lengths(path.chain, begin_s, (mine - mine[0]) / hz, record.plan, wind)
         inside = s <= path.length_m
         point[mine[inside]] = path.chain.sample(s[inside])[0]
-    clearances = [
-        least_clearance(time_s, point, record.columns[f"obstacle.{o.name}.pos_enu_m"], o.radius_m).clearance_m
-        for o in record.plan.obstacles
-    ]
-    return float(np.nanmin(clearances))
+    return clearance_of(record, point)
 
 
 def demanded_roll_rate(record: FlightRecord) -> Array:

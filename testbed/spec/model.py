@@ -111,11 +111,30 @@ class MethodSpec(Section):
     """The method's own options."""
 
 
+class Rejoin(Section):
+    """How the flight comes back after an avoidance."""
+
+    to: Literal["goal", "route"] = "goal"
+    """goal: straight for the goal. route: back to the original path, and along it."""
+    when: Literal["insertion_point", "clear"] = "insertion_point"
+    """insertion_point: planned at once, from there on (the paper). clear: the avoidance direction is held until every obstacle opens
+    and the way back keeps its radius. A direct answer has no insertion point and always waits until it is clear."""
+    margin_m: NonNegative = 1.0
+    """The way back is clear when it passes every obstacle with this much to spare, m."""
+    bank_deg: Annotated[Number, Field(ge=5, le=70)] = 45.0
+    """The way back to the route turns no tighter than a level turn with this bank, deg."""
+
+
 class Replan(Section):
     """How a threat becomes a new path (sections 4.3, 5 of the paper)."""
 
     policy: Literal["once"] = "once"
     """once: one re-plan per new threat."""
+    answer: Literal["insertion_point", "direct"] = "insertion_point"
+    """insertion_point: a path through the insertion point, with the avoidance direction there (the paper). direct: the avoidance
+    direction at once; a kinematic plant's velocity then jumps to it."""
+    rejoin: Rejoin = Rejoin()
+    """How the flight comes back."""
     k: Annotated[Number, Field(ge=1)] = 1.25
     """The insertion point lies k radii ahead of the obstacle's centre, along its velocity (eq. 35)."""
     time_rule: Literal["arrival", "paper_4_3_2"] = "arrival"

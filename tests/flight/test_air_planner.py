@@ -11,7 +11,7 @@ from testbed.flight.fly import start_of
 from testbed.flight.parts import GUIDANCE, PLANTS
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import State
-from testbed.flight.replan import Planner, resized
+from testbed.flight.replan import Memory, Planner, resized
 from testbed.flight.scene import make_scene
 from testbed.frames import vec3, wind_enu_from_compass
 from testbed.spec.model import FlightPlan
@@ -33,7 +33,8 @@ def decide(a_plan: FlightPlan, time_s: float = 3.2, shift: np.ndarray | None = N
     x, y, z = np.array([50.0 * time_s, 0.0, 0.0]) + shift * time_s
     vx, vy, vz = np.array([50.0, 0.0, 0.0]) + shift
     state = State(x, y, z, vx, vy, vz, *[0.0] * 4, 50.0, *[0.0] * 9)
-    _, _, event = Planner(a_plan, make_scene(a_plan)).step(frozenset(), time_s, state)
+    scene = make_scene(a_plan)
+    _, _, event = Planner(a_plan, scene).step(Memory(), time_s, state, scene.route, 0.0)
     assert event is not None
     return event
 
@@ -162,7 +163,7 @@ def flight_in_moving_air(a_plan: FlightPlan, wind: np.ndarray, seconds: float) -
     velocity = np.array([50.0, 0.0, 0.0]) + wind
     start = start_of(a_plan, scene)._replace(tangent=vec3(velocity / np.linalg.norm(velocity)), wind=vec3(wind))
     plant = PLANTS[a_plan.plant.kind](a_plan, aircraft, start, scene)
-    law, planner, handled = GUIDANCE["look_ahead"](a_plan, aircraft), Planner(a_plan, scene), frozenset()
+    law, planner, handled = GUIDANCE["look_ahead"](a_plan, aircraft), Planner(a_plan, scene), Memory()
     path, memory = ActivePath((scene.route,)), law.start(0.0)
     places, events = [], []
     for tick in range(round(seconds * 120)):
@@ -174,7 +175,7 @@ def flight_in_moving_air(a_plan: FlightPlan, wind: np.ndarray, seconds: float) -
         )  # fmt: skip
         places.append(in_air[:3])
         if tick % 2 == 0:
-            handled, new_path, event = planner.step(handled, tick / 120, state)
+            handled, new_path, event = planner.step(handled, tick / 120, state, path, memory.s_m)
             if event:
                 events.append(event)
             if new_path and event:
