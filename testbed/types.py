@@ -59,7 +59,7 @@ class ReplanEvent:
     own_vel_enu_mps: Vec3
     obstacle_pos_enu_m: Vec3
     obstacle_vel_enu_mps: Vec3
-    radius_m: float
+    radius_m: float  # as the planner takes it to be
     alpha_rad: float  # angle of the relative velocity from the line of sight (section 2, step 2)
     alpha0_rad: float  # half-angle of the collision cone (section 2, step 1)
     time_to_cpa_s: float

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from testbed.flight.path import ActivePath
 from testbed.flight.traffic import Track
 from testbed.frames import Vec3, vec3
+from testbed.spec.model import Replan
 from testbed.types import ReplanEvent
 from vosc import Insertion, Obstacle, Own, Threat, cap, threat
 from vosc.methods import Avoidance
@@ -23,10 +24,10 @@ class Sighting(NamedTuple):
     threat: Threat
 
     @classmethod
-    def of(cls, track: Track, centre: Vec3, own: Own, wind: Vec3, horizon_s: float) -> "Sighting":
-        """An obstacle at ``centre``, seen from the frame that moves with ``wind``."""
-        obstacle = Obstacle(centre, sub(track.vel, wind), track.radius)
-        return cls(track, obstacle, threat(own, obstacle, horizon_s))
+    def of(cls, track: Track, centre: Vec3, own: Own, wind: Vec3, settings: Replan) -> "Sighting":
+        """An obstacle at ``centre``, seen from the frame that moves with ``wind``, as large as the planner takes it to be."""
+        obstacle = Obstacle(centre, sub(track.vel, wind), track.radius + settings.swell_m)
+        return cls(track, obstacle, threat(own, obstacle, settings.horizon_s))
 
 
 def carried(insertion: Insertion, wind: Vec3) -> Vec3:
@@ -64,7 +65,7 @@ def make_event(
         own_vel_enu_mps=add(own.vel_mps, wind),
         obstacle_pos_enu_m=major.obstacle.pos_m,
         obstacle_vel_enu_mps=major.track.vel,
-        radius_m=major.track.radius,
+        radius_m=major.obstacle.radius_m,
         alpha_rad=major.threat.alpha_rad,
         alpha0_rad=major.threat.alpha0_rad,
         time_to_cpa_s=major.threat.time_to_cpa_s,

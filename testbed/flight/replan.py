@@ -51,7 +51,7 @@ class Memory(NamedTuple):
     hold_from_s_m: float = math.inf
 
 
-def may_threaten(state: State, track: Track, centre: Vec3) -> bool:
+def may_threaten(state: State, track: Track, centre: Vec3, swell_m: float = 0.0) -> bool:
     """A necessary condition of the threat test in a microsecond, so that the test itself runs only where it may say yes."""
     px, py, pz = centre[0] - state.x, centre[1] - state.y, centre[2] - state.z
     wx, wy, wz = state.vx - track.vel[0], state.vy - track.vel[1], state.vz - track.vel[2]
@@ -60,7 +60,7 @@ def may_threaten(state: State, track: Track, centre: Vec3) -> bool:
         return False
     square = px * px + py * py + pz * pz
     # least distance of the straight lines, squared, against the radius; the allowance is for rounding only
-    return square - closing * closing / (wx * wx + wy * wy + wz * wz) <= 1.000001 * track.radius * track.radius + 1e-9 * square
+    return square - closing * closing / (wx * wx + wy * wy + wz * wz) <= 1.000001 * (track.radius + swell_m) ** 2 + 1e-9 * square
 
 
 class Planner:
@@ -84,7 +84,8 @@ class Planner:
         """One tick of a flight that is at ``s_m`` of ``path``: the new path, if there is one, and the event, if something was decided."""
         own_pos = (state.x, state.y, state.z)
         seen = detect(self._plan.sensor, self._scene.tracks, time_s, own_pos)
-        if any(track.name not in memory.handled and may_threaten(state, track, centre) for track, centre in seen):
+        swell = self._plan.replan.swell_m
+        if any(track.name not in memory.handled and may_threaten(state, track, centre, swell) for track, centre in seen):
             threats = self._threats(time_s, state, seen)
             if any(sighting.track.name not in memory.handled for sighting in threats):
                 return self._answer(memory, time_s, state, threats, path, s_m)
@@ -102,7 +103,7 @@ class Planner:
     def _threats(self, time_s: float, state: State, seen: list[tuple[Track, Vec3]]) -> list[Sighting]:
         """The threats among what is seen."""
         own, wind = self._own(time_s, state)
-        sightings = [Sighting.of(track, centre, own, wind, self._plan.replan.horizon_s) for track, centre in seen]
+        sightings = [Sighting.of(track, centre, own, wind, self._plan.replan) for track, centre in seen]
         return [sighting for sighting in sightings if sighting.threat.is_threat]
 
     def _answer(
@@ -150,7 +151,7 @@ class Planner:
             return memory, None, None
         own, wind = self._own(time_s, state)
         nearest = min(known, key=lambda track: math.dist(own.pos_m, track.at(time_s)) - track.radius)
-        sighting = Sighting.of(nearest, nearest.at(time_s), own, wind, self._plan.replan.horizon_s)
+        sighting = Sighting.of(nearest, nearest.at(time_s), own, wind, self._plan.replan)
         passing = miss_along(path, 0.0, norm((state.vx, state.vy, state.vz)), time_s, known)
         event = make_event(time_s, "rejoined", self._plan.method.kind, own, sighting, None, None, path, wind, passing)
         return memory._replace(hold_from_s_m=math.inf), path, event
@@ -173,4 +174,4 @@ def time_of_collision(own: Own, sighting: Sighting) -> float:
     """t_c = (d_0 - R) / |v_o| of section 4.3.2; the least one makes the major obstacle (a standing one comes last)."""
     distance = math.dist(own.pos_m, sighting.obstacle.pos_m)
     speed = math.hypot(*sighting.obstacle.vel_mps)
-    return (distance - sighting.track.radius) / speed if speed > 0.0 else math.inf
+    return (distance - sighting.obstacle.radius_m) / speed if speed > 0.0 else math.inf

@@ -139,6 +139,8 @@ class Replan(Section):
     """The insertion point lies k radii ahead of the obstacle's centre, along its velocity (eq. 35)."""
     time_rule: Literal["arrival", "paper_4_3_2"] = "arrival"
     """When the insertion point is reached: arrival (own travel time to it) or the rule of section 4.3.2."""
+    swell_m: NonNegative = 0.0
+    """Added to the radius of every obstacle that the planner knows; clearance is still counted from the radius itself, m."""
     horizon_s: Positive = 10.0
     """A threat further away in time than this is ignored, s."""
     magnitude_chords: Annotated[Positive, Field(le=3)] = 1.0
