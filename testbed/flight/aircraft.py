@@ -18,6 +18,7 @@ class Model(Section):
     name: str
     gear_up: bool = True
     mixture: Annotated[Number, Field(ge=0, le=1)] = 0.9
+    factors: dict[str, Positive] = {}  # noqa: RUF012 (pydantic copies it); scale derivatives and lags, see plants/jsbsim_model.py
 
 
 class Limits(Section):

@@ -18,6 +18,7 @@ from testbed.flight.plants.base import Plant, Start, State, TrimFailedError
 from testbed.flight.replan import Memory as PlannerMemory
 from testbed.flight.replan import Planner
 from testbed.flight.scene import Scene, make_scene
+from testbed.flight.variation import varied
 from testbed.spec.model import FlightPlan
 from testbed.types import FlightRecord, Outcome
 
@@ -36,7 +37,7 @@ def fly(plan: FlightPlan) -> FlightRecord:
     path = ActivePath(scene.route.curves)
     log = FlightLog(plan, scene.begin_s_m)
     log.change_path(0.0, path)
-    aircraft = idealised(load_aircraft(plan.aircraft), plan.plant.ideal)
+    aircraft = idealised(varied(load_aircraft(plan.aircraft), plan), plan.plant.ideal)
     try:
         plant = PLANTS[plan.plant.kind](plan, aircraft, start_of(plan, scene), scene)
     except TrimFailedError as error:

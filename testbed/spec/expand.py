@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from testbed.spec.document import Assignment, Document, Fault, NoSuchObstacleError, faults, faults_of
-from testbed.spec.model import Campaign, FlightPlan, FlightSettings
+from testbed.spec.model import Campaign, FlightPlan, FlightSettings, Vary
 from testbed.spec.nodes import Tree
 from testbed.spec.problems import NOWHERE, Problem, SpecError, Spot
 from testbed.spec.vocabulary import path_fault
@@ -66,7 +66,9 @@ def flight_id(plan: FlightPlan) -> str:
 
 
 def _identity(plan: FlightPlan) -> dict[str, Any]:
-    return plan.model_dump(mode="json", exclude={"flight_id", "campaign"})
+    # a flight that varies nothing is the flight it was before there was anything to vary
+    unsaid = {"vary"} if plan.vary == Vary() else set()
+    return plan.model_dump(mode="json", exclude={"flight_id", "campaign"} | unsaid)
 
 
 def _hash(identity: dict[str, Any]) -> str:

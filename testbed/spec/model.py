@@ -204,6 +204,20 @@ class Traffic(Section):
     anchored: so that the flight without planner has the miss vector, closest-approach time and closing speed that it has in calm air."""
 
 
+Share = Annotated[NonNegative, Field(lt=1)]
+
+
+class Vary(Section):
+    """An aircraft other than the published one: factors drawn evenly from 1 less to 1 more a share, per replicate. 0: as published."""
+
+    derivatives_share: Share = 0.0
+    """Of the aerodynamic derivatives, each by itself; of the point_mass its two drags."""
+    lags_share: Share = 0.0
+    """Of the lags of actuators, engines (where the model has them as actuators) and the point_mass."""
+    gains_share: Share = 0.0
+    """Of the gains, leads and lags that guidance and autopilot work with; not of the limits."""
+
+
 class FlightSettings(Section):
     """Everything one flight needs, apart from who it is."""
 
@@ -239,6 +253,8 @@ class FlightSettings(Section):
     """A folder of aircraft/; `testbed list aircraft` shows them."""
     air: Air = Air()
     """The air that every plant flies in."""
+    vary: Vary = Vary()
+    """How far the aircraft's data are off those that its gains were made for. A kinematic plant has none of them."""
 
 
 Settings = dict[str, object]

@@ -6,6 +6,7 @@ wrong name and reads 0 from a missing one, so every name is looked up once, refu
 
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import jsbsim
@@ -15,6 +16,7 @@ from testbed.flight.aircraft import Aircraft
 from testbed.flight.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, Followable, Start, State, TrimFailedError
 from testbed.flight.plants.jsbsim_air import WIND, GustFeed, switch_on
+from testbed.flight.plants.jsbsim_model import changed_root
 from testbed.flight.plants.kinematic import coordinated
 from testbed.frames import Vec3, body_rates, enu_from_wind_axes, euler_from_enu_from_body
 from testbed.units import DEG, FT
@@ -54,14 +56,20 @@ def load_model(aircraft: Aircraft, plant_hz: int) -> jsbsim.FGFDMExec:
     """A fresh executive with the aircraft loaded (a used one keeps fuel, engine and filter state: never reuse it)."""
     jsbsim.FGJSBBase().debug_lvl = 0
     jsbsim.set_logger(_quiet)
-    own = aircraft.model.files == "own"
-    fdm = jsbsim.FGFDMExec(str(aircraft.folder.parent.parent) if own else jsbsim.get_default_root_dir())
-    if own:
-        fdm.set_aircraft_path(str(aircraft.folder.parent))
+    file = model_file(aircraft)
+    fdm = jsbsim.FGFDMExec(str(file.parents[2]))
     fdm.set_dt(1.0 / plant_hz)
-    if not fdm.load_model(aircraft.model.name):
-        raise FileNotFoundError(f"JSBSim cannot load '{aircraft.model.name}' ({aircraft.model.files} files)")
+    with changed_root(file, aircraft.model.factors) as root:
+        fdm.set_aircraft_path(str(root))
+        if not fdm.load_model(aircraft.model.name):
+            raise FileNotFoundError(f"JSBSim cannot load '{aircraft.model.name}' ({aircraft.model.files} files)")
     return fdm
+
+
+def model_file(aircraft: Aircraft) -> Path:
+    """The aircraft's own JSBSim file or the wheel's: ``<root>/<folder of aircraft>/<name>/<name>.xml``."""
+    aircraft_root = aircraft.folder.parent if aircraft.model.files == "own" else Path(jsbsim.get_default_root_dir()) / "aircraft"
+    return aircraft_root / aircraft.model.name / f"{aircraft.model.name}.xml"
 
 
 def node(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:
