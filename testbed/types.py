@@ -92,7 +92,7 @@ class FlightRecord:
     ``guidance.s_m`` ``guidance.bank_cmd_rad`` ``guidance.load_factor_cmd`` (n,), ``guidance.saturated`` (n,) 0 or 1,
     and why: ``guidance.limited`` (n,) 1 for bank plus 2 for load factor, ``own.at_stop`` (n,) 1 when a surface is at its stop;
     ``path.index`` (n,) which of ``paths`` was active; ``path.leg`` (n,) piece of that path;
-    ``path.cross_track_m`` (n,) 3-D distance to the active path, exact;
+    ``path.s_m`` (n,) arc length of its nearest point, ``path.cross_track_m`` (n,) 3-D distance to it, both exact;
     ``obstacle.<name>.pos_enu_m`` ``obstacle.<name>.vel_enu_mps`` (n,3); ``obstacle.<name>.clearance_m`` (n,).
     What a plant does not have (control deflections of a point) is NaN.
     """

@@ -61,9 +61,7 @@ def finish(
     columns, closest = _columns(log, scene, plant)
     if closest < -TOUCH_M and outcome not in (Outcome.DIVERGED, Outcome.HIT_GROUND):
         outcome, message = Outcome.COLLIDED, f"came {-closest:.2f} m inside an obstacle"
-    elif outcome is Outcome.REACHED and (
-        refused := [e for e in log.events if e.decision not in ("replanned", "rejoined", "none", "clear")]
-    ):
+    elif outcome is Outcome.REACHED and (refused := [e for e in log.events if e.decision not in ANSWERED]):
         outcome, message = Outcome.NO_PATH, f"the planner had no path at {refused[0].time_s:.2f} s: {refused[0].decision}"
     for column in columns.values():
         column.flags.writeable = False
@@ -124,11 +122,11 @@ def _guidance_columns(log: FlightLog, n: int) -> dict[str, Array]:
 
 def _path_columns(log: FlightLog, pos: Array, time_s: Array, s_m: Array) -> dict[str, Array]:
     """Which path and piece was active, and the exact distance from it."""
-    leg, cross_track = np.zeros(len(pos)), np.zeros(len(pos))
+    leg, cross_track, nearest = np.zeros((3, len(pos)))
     index = np.searchsorted([t for t, _ in log.paths], time_s + 1e-9, side="right") - 1.0
     for k, (_, path) in enumerate(log.paths):
         mine = index == k
         if mine.any():
-            cross_track[mine] = path.nearest(pos[mine], s_m[mine])[1]
+            nearest[mine], cross_track[mine] = path.nearest(pos[mine], s_m[mine])
             leg[mine] = np.searchsorted(path.starts_m, s_m[mine], side="right") - 1
-    return {"path.index": index, "path.leg": np.maximum(leg, 0.0), "path.cross_track_m": cross_track}
+    return {"path.index": index, "path.leg": np.maximum(leg, 0.0), "path.s_m": nearest, "path.cross_track_m": cross_track}

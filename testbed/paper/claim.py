@@ -40,7 +40,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim or printed number. Values are in ``unit``; NaN where a rung has none. ``flown_*`` are gtm_t2 unless ``aircraft`` says else."""
+    """One claim or printed number. Values are in ``unit`` and of ``aircraft``; NaN where a rung has none."""
 
     key: str  # e.g. table2.scoam.deflection, words.single.safe
     where: str  # Table 2, Table 4, Section 5.1, Abstract ...

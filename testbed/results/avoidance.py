@@ -12,7 +12,7 @@ import numpy as np
 
 from testbed.flight.log import TOUCH_M
 from testbed.flight.traffic import least_clearance
-from testbed.types import FlightRecord, PlannedPath, ReplanEvent
+from testbed.types import FlightRecord, ReplanEvent
 from testbed.units import DEG
 
 Array = np.ndarray
@@ -114,14 +114,8 @@ def followed_clearance(record: FlightRecord) -> float:
     for active, path in enumerate(record.paths):
         mine = np.flatnonzero(record.columns["path.index"] == active)
         if len(mine):
-            point[mine] = foot(record, path, mine)
+            point[mine] = path.chain.sample(record.columns["path.s_m"][mine])[0]
     return clearance_of(record, point)
-
-
-def foot(record: FlightRecord, path: PlannedPath, rows: Array) -> Array:
-    """Places (n,3) of a path nearest to the flight in some rows."""
-    s_m, _ = path.chain.nearest(record.columns["own.pos_enu_m"][rows], record.columns["guidance.s_m"][rows])
-    return path.chain.sample(s_m)[0]
 
 
 def clearance_of(record: FlightRecord, point: Array) -> float:

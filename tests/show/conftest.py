@@ -105,7 +105,7 @@ def _event(columns: dict[str, np.ndarray], obstacle_vel: np.ndarray) -> ReplanEv
         time_s=TRIGGER_S, obstacle="O", decision="replanned", method="scoam", status="avoided",
         own_pos_enu_m=_at(columns, "own.pos_enu_m", TRIGGER_S), own_vel_enu_mps=_at(columns, "own.vel_enu_mps", TRIGGER_S),
         obstacle_pos_enu_m=_at(columns, "obstacle.O.pos_enu_m", TRIGGER_S), obstacle_vel_enu_mps=tuple(float(v) for v in obstacle_vel),
-        radius_m=25.0, alpha_rad=6.24 * DEG, alpha0_rad=14.57 * DEG, time_to_cpa_s=1.31, miss_m=10.8,
+        radius_m=25.0, alpha_rad=6.24 * DEG, alpha0_rad=14.57 * DEG, time_to_cpa_s=1.31, miss_m=10.8, route_miss_m=7.2,
         cap_radius_mps=46.1, cap_azimuth_rad=0.3, cap_elevation_rad=0.1, cap_half_angle_rad=22.75 * DEG,
         command_enu_mps=_at(columns, "own.vel_enu_mps", TRIGGER_S + INSERTION_S), deflection_rad=12.31 * DEG, margin_rad=0.0,
         insertion_enu_m=_at(columns, "own.pos_enu_m", TRIGGER_S + INSERTION_S), insertion_time_s=INSERTION_S,
@@ -144,7 +144,10 @@ def metrics(flight: FlightRecord) -> FlightMetrics:
         max_load_factor=float(load.max()), min_load_factor=float(load.min()), max_roll_rate_dps=0.0,
         min_airspeed_mps=float(airspeed.min()), max_airspeed_mps=float(airspeed.max()), max_alpha_deg=math.nan,
         planned_length_m=402.5, planned_min_radius_m=103.0, planned_clearance_m=6.1, saturated_share=0.0, begin_s_m=0.0, limits_hit="",
-        airspeed_rms_error_mps=0.2, wind_along_std_mps=0.0,
+        airspeed_rms_error_mps=0.2, wind_along_std_mps=0.0, schedule_part_m=0.1, cross_track_part_m=-0.2, route_miss_m=7.2,
+        deflection_ground_deg=12.31, flown_deflection_deg=12.2, flown_deflection_air_deg=12.2, peak_deflection_deg=23.6,
+        peak_deflection_air_deg=23.6, avoidance_time_s=1.8, insertion_miss_m=0.2, clear_time_s=2.1, rejoin_time_s=6.4,
+        rejoin_length_m=321.0,
     )  # fmt: skip
 
 
