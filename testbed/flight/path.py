@@ -2,7 +2,7 @@
 
 The table is a second-order Taylor expansion about samples every ``STEP_M``; between them the point is off by at most
 |dkappa/ds| STEP_M^3 / 48, some 1e-5 m on the paths flown here. What is exact (the kinematic point, the metrics) asks the
-curves themselves. Past its end the path goes on straight.
+curves themselves. Before its start and past its end the path is straight.
 """
 
 from collections.abc import Sequence
@@ -25,18 +25,22 @@ class ActivePath(Chain):
         rows = np.hstack(self.sample(np.arange(0.0, self.length_m + RUN_OUT_M, STEP_M)))
         self._table: list[Row] = [(x, y, z, tx, ty, tz, kx, ky, kz) for x, y, z, tx, ty, tz, kx, ky, kz in rows.tolist()]
         self._last = len(self._table) - 1
+        self._before = (*self._table[0][:6], 0.0, 0.0, 0.0)  # straight before the start, as the chain is
 
     def rows_at(self, s1_m: float, s2_m: float, s3_m: float) -> tuple[Row, Row, Row]:
-        """The nearest samples of three arc lengths ahead of the start (one call instead of three: guidance asks 60 times a second)."""
+        """The nearest samples of three arc lengths (one call instead of three: guidance asks 60 times a second)."""
         table, last = self._table, self._last
         i, j, k = int(s1_m / STEP_M + 0.5), int(s2_m / STEP_M + 0.5), int(s3_m / STEP_M + 0.5)
+        if i < 0 or j < 0 or k < 0:  # a negative index would be one from the end
+            first, second, third = (self._before if n < 0 else table[min(n, last)] for n in (i, j, k))
+            return first, second, third
         return table[i if i < last else last], table[j if j < last else last], table[k if k < last else last]
 
     def look_up(self, s_m: float) -> tuple[float, Row]:
         """Offset from the nearest sample, and that sample: point, tangent, curvature vector."""
         index = int(s_m / STEP_M + 0.5)
         if index < 0:
-            index = 0
-        elif index > self._last:
+            return s_m, self._before
+        if index > self._last:
             index = self._last
         return s_m - index * STEP_M, self._table[index]

@@ -134,6 +134,19 @@ def test_the_table_agrees_with_the_exact_path() -> None:
         assert np.linalg.norm(np.array([tx, ty, tz]) + d * np.array([kx, ky, kz]) - tangent) < 0.01
 
 
+def test_the_table_goes_on_straight_past_both_ends() -> None:
+    """A flight thrown far behind the start of its path once looked up rows from the end of the table."""
+    path = ActivePath((ph.hermite((0, 0, 0), (60, 60, 20), (300, 60, 30), (150, -20, 0)),))
+    beyond = path.length_m + 1000.0
+    for s in (-5000.0, -40.0, -2.0, beyond):
+        d, row = path.look_up(s)
+        assert np.allclose(np.array(row[:3]) + d * np.array(row[3:6]), path.frame(s)[0], atol=0.05)
+        assert row[6:] == (0.0, 0.0, 0.0)
+    before, start, after = path.rows_at(-5000.0, 0.0, beyond)
+    assert before == (*start[:6], 0.0, 0.0, 0.0)
+    assert after[6:] == (0.0, 0.0, 0.0)
+
+
 def test_the_path_goes_on_straight_past_both_ends() -> None:
     path = straight()
     assert path.frame(1010.0)[0] == pytest.approx((1010.0, 0.0, 0.0))
