@@ -44,17 +44,19 @@ def fly(plan: FlightPlan) -> FlightRecord:
         return finish(log, scene, Outcome.TRIM_FAILED, str(error), {"set_up_s": perf_counter() - began})
     law = GUIDANCE[plan.guidance.kind](plan, aircraft)
     ready = perf_counter()
-    outcome, message = _loop(plan, scene, path, plant, law, log)
+    planner = Planner(plan, scene)
+    outcome, message = _loop(plan, scene, path, planner, plant, law, log)
     flown = perf_counter()
-    return finish(log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": flown - ready}, plant)
+    return finish(log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": flown - ready, "answer_s": planner.slowest_s}, plant)
 
 
-def _loop(plan: FlightPlan, scene: Scene, path: ActivePath, plant: Plant, law: Law, log: FlightLog) -> tuple[Outcome, str]:
+def _loop(
+    plan: FlightPlan, scene: Scene, path: ActivePath, planner: Planner, plant: Plant, law: Law, log: FlightLog
+) -> tuple[Outcome, str]:
     """The block diagram."""
     hz, ticks_per_command = plan.rates.plant_hz, range(plan.rates.plant_hz // plan.rates.guidance_hz)
     planner_every = hz // plan.rates.planner_hz
-    planner, planned = Planner(plan, scene), PlannerMemory()
-    memory = law.start(scene.begin_s_m)
+    planned, memory = PlannerMemory(), law.start(scene.begin_s_m)
     plant.follow(path, scene.begin_s_m)
     ended = _Ending(plan, scene)
     sample, write = plant.sample(), log.samples.extend

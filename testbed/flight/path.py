@@ -41,6 +41,5 @@ class ActivePath(Chain):
         index = int(s_m / STEP_M + 0.5)
         if index < 0:
             return s_m, self._before
-        if index > self._last:
-            index = self._last
+        index = index if index < self._last else self._last
         return s_m - index * STEP_M, self._table[index]

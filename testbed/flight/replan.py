@@ -21,6 +21,7 @@ all this with the velocities over the ground, as if the present ground speed cou
 """
 
 import math
+from time import perf_counter
 from typing import NamedTuple
 
 from testbed.chain import Chain
@@ -70,6 +71,7 @@ class Planner:
         self._plan, self._scene = plan, scene
         self._rejoin = Rejoin(plan, scene)
         self._error = _wind_error(plan)
+        self.slowest_s = 0.0  # wall-clock seconds of the slowest answer, from the threats to the new path
 
     def wind_known(self, time_s: float, pos: Vec3) -> Vec3:
         """The mean wind at a place as this planner has it."""
@@ -110,6 +112,7 @@ class Planner:
         self, memory: Memory, time_s: float, state: State, threats: list[Sighting], path: Chain, s_m: float
     ) -> tuple[Memory, ActivePath | None, ReplanEvent]:
         """Decide on the avoidance and plan the path that does it; all threats count, old and new."""
+        began = perf_counter()
         settings, kind = self._plan.replan, self._plan.method.kind
         own, wind = self._own(time_s, state)
         major = min(threats, key=lambda sighting: time_of_collision(own, sighting))
@@ -124,6 +127,7 @@ class Planner:
         if new is not None:
             holds = insertion is None or settings.rejoin.when == "clear"
             memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf)
+        self.slowest_s = max(self.slowest_s, perf_counter() - began)
         passing = miss_along(path, s_m, norm(add(own.vel_mps, wind)), time_s, [sighting.track for sighting in threats])
         return memory, new, make_event(time_s, decision, kind, own, major, answer, insertion, new, wind, passing)
 
