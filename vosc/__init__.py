@@ -1,4 +1,5 @@
-"""Velocity-obstacle avoidance in three dimensions: threat test, spherical caps, avoidance methods, insertion point, spatial PH quintics.
+"""Velocity-obstacle avoidance in three dimensions: threat test, spherical caps, avoidance methods, insertion point, spatial PH
+quintics, the widest curve between two poses.
 
 SI units and radians; any right-handed frame with z up. The library needs numpy and nothing else.
 """
@@ -6,6 +7,7 @@ SI units and radians; any right-handed frame with z up. The library needs numpy 
 from vosc import ph
 from vosc.encounter import Obstacle, Own, Threat, threat
 from vosc.insertion import Insertion, insertion_point
+from vosc.insertion_reach import Join, widest_join
 from vosc.spherical_cap import Cap, cap
 
-__all__ = ["Cap", "Insertion", "Obstacle", "Own", "Threat", "cap", "insertion_point", "ph", "threat"]
+__all__ = ["Cap", "Insertion", "Join", "Obstacle", "Own", "Threat", "cap", "insertion_point", "ph", "threat", "widest_join"]

@@ -16,6 +16,11 @@ def turn_radius(speed_mps: float, bank_rad: float) -> float:
     return speed_mps * speed_mps / (G0_MPS2 * math.tan(bank_rad))
 
 
+def turn_radius_m(speed_mps: float, load_factor: float) -> float:
+    """Radius (m) of a level coordinated turn at a load factor above 1, V^2 / (g sqrt(n^2 - 1)); inf at 1 g and below."""
+    return speed_mps * speed_mps / (G0_MPS2 * math.sqrt(load_factor * load_factor - 1.0)) if load_factor > 1.0 else math.inf
+
+
 def swerve(swings: int, heading_deg: float = 15.0, swing_m: float = 150.0) -> ActivePath:
     """A level S-swerve: from ``heading_deg`` on one side to as much on the other in ``swing_m``; no curvature at either end."""
     return _path(course(Swerve(kind="swerve", heading_deg=heading_deg, swing_m=swing_m, swings=swings), np.random.default_rng(0)))
