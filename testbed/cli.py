@@ -7,7 +7,7 @@ import contextlib
 import os
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, NoReturn, TextIO
 
@@ -16,6 +16,7 @@ import typer
 if TYPE_CHECKING:
     from testbed.run.engines import Engine
     from testbed.run.runner import Summary
+    from testbed.spec import FlightPlan
 
 app = typer.Typer(pretty_exceptions_enable=False, no_args_is_help=True, help="Fly avoidance campaigns and look at what came out.")
 
@@ -160,17 +161,25 @@ def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help
     """Check campaigns without flying them."""
     with _bad_input():
         from testbed.spec import SpecError, expand, load_campaign
+        from testbed.spec.grid import PART
 
         bad = False
         for file in files:
             try:
-                plans = list(expand(load_campaign(file)))
+                campaign = load_campaign(file)
+                plans = expand(campaign)
             except SpecError as problems:
                 _say(str(problems), sys.stderr)
                 bad = True
             else:
-                _say(f"{file}: {len(plans)} flights in {len({plan.cell for plan in plans})} cells")
+                _say(f"{file}: {_counted(plans)}")
+                for name in campaign.parts:
+                    _say(f"  {name}: {_counted([plan for plan in plans if plan.labels[PART] == name])}")
     raise typer.Exit(BAD_INPUT if bad else 0)
+
+
+def _counted(plans: "Sequence[FlightPlan]") -> str:
+    return f"{len(plans)} flights in {len({plan.cell for plan in plans})} cells"
 
 
 @app.command()

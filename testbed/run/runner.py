@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from itertools import islice, zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,8 @@ from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
 from testbed.run.engines import Died, Engine, LocalEngine
 from testbed.run.job import Job, JobResult, Row, crashed, run_job
 from testbed.run.manifest import Manifest
+from testbed.spec.blocks import resolved_parts
+from testbed.spec.grid import PART
 from testbed.spec.model import Campaign, FlightPlan
 from testbed.types import FlightMetrics, Outcome
 
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
 RUNS = Path("reports/runs")
 
 SERIES = 64
-"""Flights whose time series are kept for the page: the first replicates, in plan order."""
+"""Flights whose time series are kept for the page: first replicates in plan order, one of each part in turn."""
 
 Progress = Callable[[int, int, int], None]
 """Called with: flights done, flights in all, flights crashed."""
@@ -131,9 +134,9 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Seque
 
 def _jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan]) -> list[Job]:
     """What to keep of each flight. It depends on the whole plan, not on what is left to fly."""
-    first = [plan.flight_id for plan in plans if plan.replicate == 0]
-    recorded = {"all": {plan.flight_id for plan in plans}, "selected": set(first), "none": set()}[campaign.recordings]
-    with_series = set(first[:SERIES])
+    parts = resolved_parts(campaign)
+    recorded = {plan.flight_id for plan in plans if _is_recorded(plan, parts[_part(campaign, plan)].recordings)}
+    with_series = _series_kept(campaign, plans)
     folder = directory.recordings.resolve()
     return [
         Job(
@@ -144,6 +147,25 @@ def _jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPla
         )
         for plan in plans
     ]
+
+
+def _part(campaign: Campaign, plan: FlightPlan) -> str:
+    """The part that a flight belongs to; without parts an empty name."""
+    return plan.labels[PART] if campaign.parts else ""
+
+
+def _is_recorded(plan: FlightPlan, recordings: str | None) -> bool:
+    return recordings == "all" or (recordings == "selected" and plan.replicate == 0)
+
+
+def _series_kept(campaign: Campaign, plans: Sequence[FlightPlan]) -> set[str]:
+    """No part goes without because one before it has many cells."""
+    turns: dict[str, list[str]] = {}
+    for plan in plans:
+        if plan.replicate == 0:
+            turns.setdefault(_part(campaign, plan), []).append(plan.flight_id)
+    in_turn = (flight_id for turn in zip_longest(*turns.values()) for flight_id in turn if flight_id is not None)
+    return set(islice(in_turn, SERIES))
 
 
 def report(path: Path) -> Summary:

@@ -28,12 +28,12 @@ def flyer(row: Row) -> str:
 
 
 def listed_axes(rows: Sequence[Row]) -> list[str]:
-    """Sweep axes that are not just the plant, the aircraft or the method once more."""
+    """Sweep axes that are not just the plant, the aircraft or the method once more, in the flights that have the axis."""
     axes = dict.fromkeys(axis for row in rows for axis in row["labels"])
     return [
         axis
         for axis in axes
-        if not any(all(row["labels"].get(axis) == str(row[key]) for row in rows) for key in ("plant", "aircraft", "method"))
+        if not any(all(row["labels"].get(axis, str(row[key])) == str(row[key]) for row in rows) for key in ("plant", "aircraft", "method"))
     ]
 
 
@@ -44,7 +44,8 @@ def telling_axes(rows: Sequence[Row]) -> list[str]:
     def said_already(axis: str) -> bool:
         labels: dict[tuple[str, str, str], set[str]] = {}
         for row in rows:
-            labels.setdefault((flyer(row), str(row["method"]), str(row.get("geometry"))), set()).add(str(row["labels"].get(axis)))
+            if axis in row["labels"]:
+                labels.setdefault((flyer(row), str(row["method"]), str(row.get("geometry"))), set()).add(str(row["labels"][axis]))
         return all(len(seen) == 1 for seen in labels.values())
 
     return [axis for axis in axes if not said_already(axis)]

@@ -41,7 +41,7 @@ def render_page(
     listed = _worst_first(rows) if len(rows) > MOST_FLIGHT_ROWS else rows
     decisions = [_decision(row, event, axes) for row in rows if row["method"] != "none" for event in row["events"]]
     figures = figure_data(rows, series, axes)
-    by_cell = answer.cells(rows, axes) if len(rows) >= CELLS_FROM or campaign.replicates > 1 else []
+    by_cell = answer.cells(rows, axes) if len(rows) >= CELLS_FROM or any(row["replicate"] for row in rows) else []
     environment = Environment(
         loader=PackageLoader("testbed.show"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )

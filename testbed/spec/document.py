@@ -75,6 +75,11 @@ class Document:
             layers.append((loc, assignment))
         return replace(self, data=data, layers=tuple(layers))
 
+    def with_obstacle(self, obstacle: dict[str, Any]) -> "Document":
+        """A copy with one more obstacle, the last."""
+        obstacles = self.data.get("obstacles", ())
+        return replace(self, data={**self.data, "obstacles": [*(obstacles if isinstance(obstacles, list | tuple) else ()), obstacle]})
+
     def problem(self, fault: Fault, suspects: Sequence[Assignment] = ()) -> Problem | None:
         """The fault at its place; None if that place is known to be broken.
 
@@ -157,9 +162,14 @@ def _opened(node: Any) -> dict[str, Any]:
 
 
 def faults(data: dict[str, Any]) -> list[Fault]:
-    """Everything that keeps ``data`` from being a campaign, the sweep apart."""
+    """Everything that keeps ``data`` from being a campaign, sweeps and what goes with them apart: ``blocks_of`` reads those."""
+    blank: dict[str, Any] = {"sweep": {}, "skip": ()}
+    parts = data.get("parts")
+    if isinstance(parts, dict):
+        told = {name: {**part, **blank, "set": {}} if isinstance(part, dict) else part for name, part in parts.items()}
+        blank = {**blank, "parts": told}
     try:
-        Campaign.model_validate({**data, "sweep": {}})
+        Campaign.model_validate({**data, **blank})
     except ValidationError as error:
         return faults_of(error)
     return []

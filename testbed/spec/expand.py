@@ -1,60 +1,56 @@
-"""A campaign's grid: axes, cells, replicates, and the identity of each flight."""
+"""A campaign's flights: the plan of every cell and replicate, and the identity of each."""
 
 import hashlib
-import itertools
 import json
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from typing import Any
 
 from pydantic import ValidationError
 
-from testbed.spec.document import Assignment, Document, Fault, NoSuchObstacleError, faults, faults_of
+from testbed.spec.axes import assignments_of
+from testbed.spec.blocks import Block, Cell, blocks_of, overwritten_draws, resolved_parts, size_problems, skip_problems
+from testbed.spec.document import Assignment, Document, Fault, NoSuchObstacleError, faults_of
+from testbed.spec.draws import DrawError, drawn
+from testbed.spec.encounters import NoEncounterError
+from testbed.spec.grid import Part
 from testbed.spec.model import Campaign, FlightPlan, FlightSettings, Vary
 from testbed.spec.nodes import Tree
-from testbed.spec.problems import NOWHERE, Problem, SpecError, Spot
-from testbed.spec.vocabulary import path_fault
+from testbed.spec.problems import NOWHERE, Problem, SpecError
 
-MAX_FLIGHTS = 1_000_000
-MAX_AXES = 50
-MAX_LABEL = 40
-ONLY_CELL = "base"
-"""Name of the one cell of a campaign without a sweep."""
+Encounter = Callable[[float, int, int], dict[str, Any]]
+"""From own speed (m/s), seed and replicate to an obstacle."""
 
-
-@dataclass(frozen=True)
-class Level:
-    """One value of an axis: its label and what it assigns."""
-
-    label: str
-    assignments: tuple[Assignment, ...]
-
-
-@dataclass(frozen=True)
-class Axis:
-    """One axis of the sweep, with the place of its key."""
-
-    name: str
-    levels: tuple[Level, ...]
-    spot: Spot
-
-
-Cell = tuple[Level, ...]
+PlannedCell = tuple[Cell, Document, FlightPlan | list[Fault]]
 
 
 def expand(campaign: Campaign) -> tuple[FlightPlan, ...]:
-    """Every flight of a campaign: cells in the order of the sweep as written (last axis fastest), replicates innermost."""
-    axes, problems = axes_of(Tree.plain(campaign.sweep))
-    problems = problems or size_problems(axes, campaign.replicates, NOWHERE)
+    """Every flight of a campaign: parts and cells in the order as written (last axis fastest), replicates innermost."""
+    blocks, problems = blocks_of(_tree_of(campaign))
+    parts = resolved_parts(campaign)
+    problems = problems or size_problems(blocks, campaign, NOWHERE)
+    problems = problems or [found for b in blocks for found in skip_problems(b) + overwritten_draws(b, parts[b.part])]
     if problems:
         raise SpecError(problems)
     plans: list[FlightPlan] = []
-    for cell, document, plan in _plans_of_cells(campaign, axes, Tree({})):
-        if not isinstance(plan, FlightPlan):
-            raise SpecError(found for fault in plan if (found := document.problem(fault, _assignments(cell))))
-        plans.extend(_replicates(plan, campaign.replicates))
+    for block in blocks:
+        part = parts[block.part]
+        encounter = cache(part.encounters.drawn) if part.encounters else None  # every cell meets the same
+        for cell, document, plan in plans_of_cells(campaign, block, part, Tree({})):
+            if not isinstance(plan, FlightPlan):
+                raise SpecError(found for fault in plan if (found := document.problem(fault, suspects(block, cell))))
+            if part.draw or encounter:
+                plans.extend(_drawn_replicates(campaign, block, part, encounter, (cell, document, plan)))
+            else:
+                plans.extend(_replicates(plan, part.replicates or 1))
     return tuple(plans)
+
+
+def _tree_of(campaign: Campaign) -> Tree:
+    """What ``blocks_of`` reads, of a campaign that may never have been text."""
+    keys = ("sweep", "skip", "draw")
+    parts = {name: {key: getattr(part, key) for key in (*keys, "set")} for name, part in campaign.parts.items()}
+    return Tree.plain({**{key: getattr(campaign, key) for key in keys}, "parts": parts})
 
 
 def flight_id(plan: FlightPlan) -> str:
@@ -84,21 +80,58 @@ def _replicates(plan: FlightPlan, count: int) -> Iterator[FlightPlan]:
         yield plan.model_copy(update={"replicate": replicate, "flight_id": _hash(identity)})
 
 
-def _cell_id(cell: Cell) -> str:
-    return "/".join(level.label for level in cell) or ONLY_CELL
-
-
-def _assignments(cell: Cell) -> list[Assignment]:
-    return [assignment for level in cell for assignment in level.assignments]
-
-
-def _plans_of_cells(campaign: Campaign, axes: Sequence[Axis], tree: Tree) -> Iterator[tuple[Cell, Document, FlightPlan | list[Fault]]]:
-    """For each cell its plan (replicate 0, without an id), or what is wrong with the combination."""
-    written = {name: getattr(campaign, name) for name in FlightSettings.model_fields if name in campaign.model_fields_set}
-    base = Document(written, tree)
-    for cell in itertools.product(*(axis.levels for axis in axes)):
+def _drawn_replicates(
+    campaign: Campaign, block: Block, part: Part, encounter: Encounter | None, planned: tuple[Cell, Document, FlightPlan]
+) -> Iterator[FlightPlan]:
+    """Each with its own encounter and its own draws. Replicate 0 has what is drawn about a value at that value."""
+    cell, document, plan = planned
+    who = {name: getattr(plan, name) for name in FlightPlan.model_fields if name not in FlightSettings.model_fields}
+    for replicate in range(part.replicates or 1):
+        name = f"{plan.cell}, replicate {replicate}"
         try:
-            document = base.assign(_assignments(cell))
+            if encounter:
+                document = cell_document(campaign, block, cell, Tree({}), encounter(plan.speed_mps, campaign.seed, replicate))
+            made = FlightPlan.model_validate({**document.data, **who, "replicate": replicate})
+            if replicate and part.draw:
+                values = {path: drawn(draw, path, made, campaign.seed, replicate) for path, draw in part.draw.items()}
+                assignments = [Assignment(path, Tree.plain(value), path, NOWHERE, NOWHERE) for path, value in values.items()]
+                made = FlightPlan.model_validate({**document.assign(assignments).data, **who, "replicate": replicate})
+        except ValidationError as error:
+            raise SpecError(
+                Problem(NOWHERE, name, f"{_dotted(fault)}: {fault.message}", fault.hint) for fault in faults_of(error)
+            ) from error
+        except DrawError as error:
+            raise SpecError([Problem(NOWHERE, name, f"draw.{error.path}: {error}")]) from error
+        except (NoEncounterError, NoSuchObstacleError) as error:
+            raise SpecError([Problem(NOWHERE, name, str(error))]) from error
+        yield made.model_copy(update={"flight_id": flight_id(made)})
+
+
+def _dotted(fault: Fault) -> str:
+    return ".".join(map(str, fault.loc))
+
+
+def suspects(block: Block, cell: Cell) -> Sequence[Assignment]:
+    """All that a cell has on top of the campaign's settings."""
+    return [*block.set, *assignments_of(cell)]
+
+
+def cell_document(campaign: Campaign, block: Block, cell: Cell, tree: Tree, obstacle: dict[str, Any] | None) -> Document:
+    """Settings of a cell: the campaign's, the part's, the drawn obstacle, the axes' values, in this order.
+
+    Raises ``NoSuchObstacleError``.
+    """
+    written = {name: getattr(campaign, name) for name in FlightSettings.model_fields if name in campaign.model_fields_set}
+    base = Document(written, tree).assign(block.set)
+    return (base.with_obstacle(obstacle) if obstacle else base).assign(assignments_of(cell))
+
+
+def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree) -> Iterator[PlannedCell]:
+    """For each cell its plan (replicate 0 without an id, any obstacle for the drawn one), or what is wrong with the combination."""
+    obstacle = part.encounters.placeholder() if part.encounters else None
+    for cell in block.cells():
+        try:
+            document = cell_document(campaign, block, cell, tree, obstacle)
         except NoSuchObstacleError as error:
             at = ("obstacles",)
             yield cell, Document({}, tree, ((at, error.assignment),)), [Fault(at, error.message, error.hint)]
@@ -106,8 +139,8 @@ def _plans_of_cells(campaign: Campaign, axes: Sequence[Axis], tree: Tree) -> Ite
         who = {
             "flight_id": "",
             "campaign": campaign.name,
-            "cell": _cell_id(cell),
-            "labels": {axis.name: level.label for axis, level in zip(axes, cell, strict=True)},
+            "cell": block.cell_id(cell),
+            "labels": block.labels(cell),
             "replicate": 0,
             "seed": campaign.seed,
         }
@@ -115,143 +148,3 @@ def _plans_of_cells(campaign: Campaign, axes: Sequence[Axis], tree: Tree) -> Ite
             yield cell, document, FlightPlan.model_validate({**document.data, **who})
         except ValidationError as error:
             yield cell, document, faults_of(error)
-
-
-def axes_of(sweep: Tree) -> tuple[list[Axis], list[Problem]]:
-    """The axes of a sweep, and what is wrong with its shape and its paths (not yet with its values)."""
-    axes: list[Axis] = []
-    problems: list[Problem] = []
-    if not isinstance(sweep.value, dict):
-        return [], [Problem(sweep.spot, "sweep", "must be a section: one axis per key")]
-    if len(sweep.inside) > MAX_AXES:
-        return [], [Problem(sweep.spot, "sweep", f"has {len(sweep.inside)} axes; at most {MAX_AXES}")]
-    for name, tree in sweep.inside.items():
-        read = _list_axis if isinstance(tree.value, list | tuple) else _named_axis
-        axis, found = read(str(name), tree, sweep.key_spot(name))
-        axes.append(axis)
-        problems += found
-    return axes, problems + _hidden(axes)
-
-
-def _list_axis(path: str, tree: Tree, spot: Spot) -> tuple[Axis, list[Problem]]:
-    """``dotted.path: [values]``."""
-    problems: list[Problem] = []
-    levels: list[Level] = []
-    if wrong := path_fault(path, FlightSettings):
-        problems.append(Problem(spot, f"sweep.{path}", *wrong))
-        return Axis(path, (), spot), problems
-    if not tree.inside:
-        problems.append(Problem(spot, f"sweep.{path}", "an axis without values makes no flights"))
-    seen: set[str] = set()
-    taken: set[str] = set()
-    for i, item in tree.inside.items():
-        name = f"sweep.{path}[{i}]"
-        text = _text(item.value)
-        if text in seen and not item.broken:
-            problems.append(Problem(item.spot, name, "this value is there twice"))
-        seen.add(text)
-        label = _label(text, taken)
-        taken.add(label)
-        levels.append(Level(label, (Assignment(path, item, name, spot, item.spot),)))
-    return Axis(path, tuple(levels), spot), problems
-
-
-def _named_axis(axis: str, tree: Tree, spot: Spot) -> tuple[Axis, list[Problem]]:
-    """``axis_name: {label: {dotted.path: value}}``."""
-    where = f"sweep.{axis}"
-    if tree.broken:
-        return Axis(axis, (), spot), []
-    if not isinstance(tree.value, dict) or not tree.value:
-        return Axis(axis, (), spot), [Problem(spot, where, "must be a list of values, or a section of labels")]
-    problems: list[Problem] = []
-    levels: list[Level] = []
-    for key, settings in tree.inside.items():
-        label, label_spot = str(key), tree.key_spot(key)
-        if not label or "/" in label or len(label) > MAX_LABEL or not label.isprintable():
-            problems.append(Problem(label_spot, where, f"a label is a short text without '/', not '{label[:MAX_LABEL]}'"))
-        if not isinstance(settings.value, dict):
-            if not settings.broken:
-                is_path = path_fault(f"{axis}.{label}", FlightSettings) is None
-                hint = f"a path is one key: write '{axis}.{label}'" if is_path else "write {} for no change"
-                problems.append(Problem(label_spot, f"{where}.{label}", "must be a section of dotted paths and their values", hint))
-            continue
-        assignments: list[Assignment] = []
-        for path, value in settings.inside.items():
-            path_spot = settings.key_spot(path)
-            name = f"{where}.{label}.{path}"
-            if wrong := path_fault(str(path), FlightSettings):
-                problems.append(Problem(path_spot, name, *wrong))
-                continue
-            own = path_spot if isinstance(value.value, dict) or value.value is None else value.spot
-            assignments.append(Assignment(str(path), value, name, path_spot, own))
-        levels.append(Level(label, tuple(assignments)))
-    return Axis(axis, tuple(levels), spot), problems
-
-
-def _hidden(axes: Sequence[Axis]) -> list[Problem]:
-    """An axis whose values a later axis overwrites would make flights that differ in name only."""
-    problems = []
-    for earlier, later in itertools.combinations(axes, 2):
-        paths = [{assignment.path: assignment for assignment in _assignments(axis.levels)}.values() for axis in (earlier, later)]
-        for first, second in itertools.product(*paths):
-            if f"{first.path}.".startswith(f"{second.path}."):
-                message = f"overwrites '{first.path}', which the axis '{earlier.name}' sets"
-                problems.append(Problem(second.path_spot, f"sweep.{later.name}", message))
-                break
-    return problems
-
-
-def size_problems(axes: Sequence[Axis], replicates: int, spot: Spot) -> list[Problem]:
-    """A refusal of a grid that nobody can mean."""
-    flights = replicates * math.prod(len(axis.levels) for axis in axes)
-    if flights <= MAX_FLIGHTS:
-        return []
-    return [Problem(spot, "sweep", f"makes {flights:,} flights; at most {MAX_FLIGHTS:,}")]
-
-
-def level_problems(base: Document, known: Sequence[Fault], axes: Sequence[Axis]) -> list[Problem]:
-    """What each value of each axis does wrong by itself, the base's own faults (``known``) apart."""
-    problems: list[Problem] = []
-    for level in (level for axis in axes for level in axis.levels):
-        document = base
-        for assignment in level.assignments:
-            try:
-                document = document.assign([assignment])
-            except NoSuchObstacleError as error:
-                problems.append(error.problem())
-        new = [fault for fault in faults(document.data) if fault not in known]
-        problems += [found for fault in new if (found := document.problem(fault, level.assignments))]
-    return problems
-
-
-def combination_problems(campaign: Campaign, tree: Tree, axes: Sequence[Axis]) -> list[Problem]:
-    """What only goes wrong when the axes meet; each distinct fault once, with the first cell that has it."""
-    problems: dict[Fault, Problem] = {}
-    for cell, document, plan in _plans_of_cells(campaign, axes, tree):
-        for fault in plan if isinstance(plan, list) else ():
-            found = document.problem(fault, _assignments(cell)) if fault not in problems else None
-            if found:
-                problems[fault] = Problem(found.spot, found.path, f"{found.message} (in the cell '{_cell_id(cell)}')", found.hint)
-    return list(problems.values())
-
-
-def _text(value: Any) -> str:
-    """A value as one line of text; numbers that are equal look equal."""
-    if isinstance(value, dict):
-        return ",".join(f"{key}={_text(item)}" for key, item in value.items())
-    if isinstance(value, list | tuple):
-        return f"[{','.join(map(_text, value))}]"
-    if isinstance(value, bool) or value is None:
-        return "null" if value is None else str(value).lower()
-    if isinstance(value, int | float):
-        return repr(float(value)).removesuffix(".0") if abs(value) < 1e300 else str(value)
-    return str(value)
-
-
-def _label(text: str, taken: set[str]) -> str:
-    """A short label that no other value of the axis has; it holds no '/', which joins labels to a cell."""
-    clean = "".join(character if character.isprintable() and character != "/" else "_" for character in text) or "_"
-    if len(clean) <= MAX_LABEL and clean not in taken:
-        return clean
-    short = clean[: MAX_LABEL - 8]
-    return next(label for n in itertools.count(1) if (label := f"{short}~{n}") not in taken)

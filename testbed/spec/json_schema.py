@@ -1,6 +1,7 @@
 """The JSON Schema of a campaign, which gives an editor completion, descriptions and red underlines."""
 
 import json
+from collections.abc import Callable
 from typing import Any
 
 from testbed.spec.model import Campaign, FlightSettings
@@ -24,8 +25,7 @@ def schema() -> str:
     """
     document = Campaign.model_json_schema()
     paths = dict(_paths(document))
-    settings = {"type": "object", "properties": paths, "patternProperties": {_OBSTACLE_PATH: {}}, "additionalProperties": False}
-    document["$defs"]["Settings"] = {"description": "Dotted paths and the values they get.", **settings}
+    document["$defs"]["Settings"] = {"description": "Dotted paths and the values they get.", **_by_path(paths, dict)}
     document["$defs"]["NamedAxis"] = {
         "description": "Labels, each with the settings it stands for.",
         "type": "object",
@@ -33,15 +33,20 @@ def schema() -> str:
         "additionalProperties": {"$ref": "#/$defs/Settings"},
     }
     named = {"$ref": "#/$defs/NamedAxis"}
-    document["properties"]["sweep"] = {
-        "description": _SWEEP,
-        "type": "object",
-        "properties": {path: {"anyOf": [_values(kind), named], "description": kind.get("description", "")} for path, kind in paths.items()},
-        "patternProperties": {_OBSTACLE_PATH: {"anyOf": [_values({}), named]}},
-        "additionalProperties": named,
-        "default": {},
-    }
+    axes = _by_path(paths, lambda kind: {"anyOf": [_values(kind), named], "description": kind.get("description", "")})
+    own, of_part = document["properties"], document["$defs"]["Part"]["properties"]
+    own["sweep"] = {"description": _SWEEP, **axes, "additionalProperties": named, "default": {}}
+    own["draw"] = {"description": own["draw"]["description"], **_by_path(paths, lambda _: {"$ref": "#/$defs/Draw"}), "default": {}}
+    of_part["sweep"] = {"description": "The part's grid; see sweep of the campaign.", "$ref": "#/properties/sweep"}
+    of_part["draw"] = {"description": of_part["draw"]["description"], "$ref": "#/properties/draw"}
+    of_part["set"] = {"description": of_part["set"]["description"], "$ref": "#/$defs/Settings"}
     return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **_draft7(document)}, indent=2) + "\n"
+
+
+def _by_path(paths: Json, told: Callable[[Json], Json]) -> Json:
+    """A section whose keys are dotted paths. ``told``: from the schema of a setting to that of what stands there."""
+    properties = {path: told(kind) for path, kind in paths.items()}
+    return {"type": "object", "properties": properties, "patternProperties": {_OBSTACLE_PATH: told({})}, "additionalProperties": False}
 
 
 def _values(kind: Json) -> Json:

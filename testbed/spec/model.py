@@ -1,7 +1,7 @@
 """What a campaign may say: the vocabulary of the YAML, validated and frozen.
 
-Every key carries its unit.  ``FlightSettings`` is what one flight needs; a ``Campaign`` is settings plus a sweep;
-a ``FlightPlan`` is one cell and replicate of it, fully resolved.
+Every key carries its unit.  ``FlightSettings`` is what one flight needs; a ``Campaign`` is settings plus a sweep, or parts with a
+sweep each (``grid.py``); a ``FlightPlan`` is one cell and replicate of it, fully resolved.
 """
 
 import math
@@ -15,6 +15,7 @@ from testbed.catalogue import aircraft_folders
 from testbed.spec.air import Air
 from testbed.spec.base import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
 from testbed.spec.check import Check
+from testbed.spec.grid import Grid, Kept, Part, Replicates
 from testbed.spec.route import Route
 from vosc.methods import METHODS
 
@@ -257,12 +258,8 @@ class FlightSettings(Section):
     """How far the aircraft's data are off those that its gains were made for. A kinematic plant has none of them."""
 
 
-Settings = dict[str, object]
-"""Dotted path to YAML value, e.g. ``{"method.kind": "none"}``."""
-
-
-class Campaign(FlightSettings):
-    """One question, its settings, and the sweep that answers it.
+class Campaign(Grid, FlightSettings):
+    """One question, its settings, and the sweep that answers it; or several parts, each with settings and a sweep of its own.
 
     An axis of ``sweep`` is either ``dotted.path: [values]`` or ``axis_name: {label: {dotted.path: value, ...}, ...}``.
     Obstacles are addressed by name: ``obstacles.O.speed_mps``.
@@ -274,13 +271,14 @@ class Campaign(FlightSettings):
     """What this campaign asks, in a sentence."""
     seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
     """Root of every random stream. Method, plant and aircraft never change what is drawn."""
-    replicates: Annotated[Whole, Field(ge=1, le=100_000)] = 1
+    replicates: Replicates = 1
     """Flights per cell of the sweep, each with its own random streams."""
-    recordings: Literal["all", "none", "selected"] = "selected"
-    """Which flights leave a .rrd recording."""
+    recordings: Kept = "selected"
+    """Which flights leave a .rrd recording; selected: the first replicate of each cell."""
     check: Check | None = None
     """For a campaign that checks the testbed: how it is judged."""
-    sweep: dict[str, list[object] | dict[str, Settings]] = {}  # noqa: RUF012 (pydantic copies it)
+    parts: dict[Name, Part] = {}  # noqa: RUF012 (pydantic copies it)
+    """Instead of a sweep: named parts, flown one after the other. The name is the first label of a part's cells."""
 
 
 class FlightPlan(FlightSettings):

@@ -4,7 +4,7 @@ The reader is made for files that people get wrong: whatever the bytes are, the 
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -37,13 +37,18 @@ class Tree:
     broken: bool = False
 
     @staticmethod
-    def plain(value: Any) -> "Tree":
-        """A tree of data that was never text."""
-        if isinstance(value, dict):
-            return Tree(value, inside={key: Tree.plain(item) for key, item in value.items()})
-        if isinstance(value, list | tuple):
-            return Tree(value, inside={i: Tree.plain(item) for i, item in enumerate(value)})
-        return Tree(value)
+    def plain(value: Any, spot: Spot = NOWHERE) -> "Tree":
+        """A tree of data that was never text; ``spot`` is the place of all of it."""
+        items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list | tuple) else ()
+        return Tree(value, spot, {key: Tree.plain(item, spot) for key, item in items})
+
+    def put(self, keys: Sequence[str], tree: "Tree", spot: Spot) -> "Tree":
+        """A copy with another tree at ``keys``, sections opened on the way; ``spot`` is where the new keys are written."""
+        key, rest = keys[0], keys[1:]
+        inner = self.inside.get(key, Tree({}, spot)).put(rest, tree, spot) if rest else tree
+        value = {**self.value, key: inner.value} if isinstance(self.value, dict) else {key: inner.value}
+        key_spot = self.key_spots.get(key, spot) if rest else spot
+        return Tree(value, self.spot, {**self.inside, key: inner}, {**self.key_spots, key: key_spot})
 
     def key_spot(self, key: str | int) -> Spot:
         return self.key_spots.get(key, self.inside[key].spot)

@@ -4,14 +4,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from testbed.spec.blocks import Block, blocks_of, no_such_part, size_problems
 from testbed.spec.document import Assignment, Document, NoSuchObstacleError, faults
-from testbed.spec.expand import Axis, axes_of, combination_problems, level_problems, size_problems
+from testbed.spec.findings import combination_problems, level_problems
 from testbed.spec.model import Campaign
 from testbed.spec.nodes import Tree, parse, read_text
 from testbed.spec.problems import Problem, Source, SpecError, Spot
 from testbed.spec.vocabulary import path_fault
 
-SWEEP = "sweep."
+GRIDS = ("sweep", "skip", "draw", "encounters", "parts")
+DOTTED = ("sweep", "set", "draw")
 
 
 def load_campaign(path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
@@ -24,23 +26,25 @@ def load_campaign(path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
         if tree.value is None and not problems:
             raise SpecError([Problem(tree.spot, "", "the file is empty", "campaigns/ has examples")])
         raise SpecError(problems or [Problem(tree.spot, "", "must be a section: 'key: value' lines at the top, not a list or a text")])
-    written = Document(tree.value, tree)
     sets, more = _read_overrides(overrides)
-    document, sweep, unmade = _overridden(written, sets)
-    axes, shape = axes_of(sweep)
-    problems += more + unmade + shape + _without_effect(sets, axes)
+    tree, sets, unmade = _with_grids(tree, sets)
+    written = Document(tree.value, tree)
+    document, unknown = _overridden(written, sets)
+    blocks, shape = blocks_of(tree)
+    problems += more + unmade + unknown + shape + _without_effect(sets, blocks)
 
     before, now = faults(written.data), faults(document.data)
     new = [fault for fault in now if fault not in before]
     made = [assignment for _, assignment in document.layers]
     problems += [found for fault in now if (found := document.problem(fault, made if fault in new else ()))]
-    problems += level_problems(document, now, axes)
+    problems += [found for block in blocks for found in level_problems(document, block)]
     if problems:
         raise SpecError(problems)
 
-    campaign = Campaign.model_validate({**document.data, "sweep": sweep.value})
-    too_many = size_problems(axes, campaign.replicates, tree.key_spot("sweep") if "sweep" in tree.inside else tree.spot)
-    if found_late := too_many or combination_problems(campaign, tree, axes):
+    campaign = Campaign.model_validate(document.data)
+    grid = "parts" if campaign.parts else "sweep"
+    too_many = size_problems(blocks, campaign, tree.key_spot(grid) if grid in tree.inside else tree.spot)
+    if found_late := too_many or combination_problems(campaign, tree, blocks):
         raise SpecError(found_late)
     return campaign
 
@@ -55,7 +59,8 @@ def _read_overrides(overrides: Sequence[str]) -> tuple[list[Assignment], list[Pr
         if not equals or not path:
             problems.append(Problem(spot, "", "expected KEY=VALUE, for example method.kind=none"))
             continue
-        if not (path == "sweep" or path.startswith(SWEEP)) and (wrong := path_fault(path, Campaign)):
+        keys = _keys(path)
+        if wrong := path_fault(".".join(keys[:-1] if "." in keys[-1] else keys), Campaign):
             problems.append(Problem(spot, "", *wrong))
             continue
         try:
@@ -68,33 +73,49 @@ def _read_overrides(overrides: Sequence[str]) -> tuple[list[Assignment], list[Pr
     return sets, problems
 
 
-def _overridden(written: Document, sets: Sequence[Assignment]) -> tuple[Document, Tree, list[Problem]]:
-    """(the settings, the sweep, overrides that lead nowhere).  The name of an axis has dots, so the sweep is treated apart."""
-    document, problems = written, []
-    sweep = written.tree.inside.get("sweep", Tree({}))
+def _keys(path: str) -> list[str]:
+    """The keys of a dotted path. After ``sweep``, ``set`` and ``draw`` comes one key, which has dots itself."""
+    keys = path.split(".")
+    at = 2 if keys[0] == "parts" else 0
+    return [*keys[: at + 1], ".".join(keys[at + 1 :])] if keys[at : at + 1] and keys[at] in DOTTED and keys[at + 1 :] else keys
+
+
+def _with_grids(tree: Tree, sets: Sequence[Assignment]) -> tuple[Tree, list[Assignment], list[Problem]]:
+    """(the tree with the overrides of what is no setting of a flight, the other overrides, parts that are not there)."""
+    problems, others = [], []
     for assignment in sets:
-        if assignment.path == "sweep":
-            sweep = assignment.tree
-        elif assignment.path.startswith(SWEEP):
-            axis = assignment.path.removeprefix(SWEEP)
-            value = {**sweep.value, axis: assignment.tree.value} if isinstance(sweep.value, dict) else sweep.value
-            sweep = Tree(value, sweep.spot, {**sweep.inside, axis: assignment.tree}, {**sweep.key_spots, axis: assignment.spot})
+        keys = _keys(assignment.path)
+        known = tree.inside["parts"].inside if "parts" in tree.inside else {}
+        if keys[0] not in GRIDS:
+            others.append(assignment)
+        elif keys[0] == "parts" and len(keys) > 2 and keys[1] not in known:
+            problems.append(Problem(assignment.spot, "", *no_such_part(keys[1], list(map(str, known)))))
         else:
-            try:
-                document = document.assign([assignment])
-            except NoSuchObstacleError as error:
-                problems.append(error.problem())
-    return document, sweep, problems
+            tree = tree.put(keys, assignment.tree, assignment.spot)
+    return tree, others, problems
 
 
-def _without_effect(sets: Sequence[Assignment], axes: Sequence[Axis]) -> list[Problem]:
-    """An override that every value of an axis overwrites would be silently ignored."""
+def _overridden(written: Document, sets: Sequence[Assignment]) -> tuple[Document, list[Problem]]:
+    """(the settings, overrides that lead nowhere)."""
+    document, problems = written, []
+    for assignment in sets:
+        try:
+            document = document.assign([assignment])
+        except NoSuchObstacleError as error:
+            problems.append(error.problem())
+    return document, problems
+
+
+def _without_effect(sets: Sequence[Assignment], blocks: Sequence[Block]) -> list[Problem]:
+    """An override that is overwritten for every flight would be silently ignored."""
     problems = []
     for assignment in sets:
-        for axis in axes:
-            hiding = [any(f"{assignment.path}.".startswith(f"{made.path}.") for made in level.assignments) for level in axis.levels]
-            if hiding and all(hiding):
-                message = f"has no effect: the sweep's axis '{axis.name}' sets it for every flight"
-                hint = f"set sweep.{axis.name} instead" if axis.name == assignment.path else ""
-                problems.append(Problem(assignment.spot, "", message, hint))
+        if not blocks or not all(block.hides(assignment.path) for block in blocks):
+            continue
+        message, hint = "has no effect: every part sets it", ""
+        if not blocks[0].part:
+            axis = blocks[0].hides(assignment.path)
+            message = f"has no effect: the sweep's axis '{axis}' sets it for every flight"
+            hint = f"set sweep.{axis} instead" if axis == assignment.path else ""
+        problems.append(Problem(assignment.spot, "", message, hint))
     return problems

@@ -85,7 +85,7 @@ def path_fault(path: str, root: type[FlightSettings]) -> tuple[str, str] | None:
         prefix = "".join(f"{before}." for before in parts[:i])
         if known and part not in known:
             if i == 0 and part in Campaign.model_fields:
-                return f"'{part}' belongs to the campaign as a whole and cannot be swept", ""
+                return f"'{part}' belongs to the campaign as a whole, not to a flight", ""
             hint = did_you_mean(part, known, prefix, "".join(f".{after}" for after in parts[i + 1 :]))
             return f"unknown setting '{path}'", hint or f"known{f' in {prefix[:-1]}' if prefix else ''}: {', '.join(known)}"
         origin = get_origin(members(kind)[0])

@@ -60,7 +60,7 @@ def _choice(expected: str, value: Any) -> tuple[str, str]:
 def worded(error: ErrorDetails) -> tuple[Loc, str, str]:
     """(location in the data, message, hint) of one error."""
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
-    loc, holder = untagged(error["loc"])
+    loc, holder = untagged(error["loc"][:-1] if error["loc"][-1:] == ("[key]",) else error["loc"])
     if kind == "extra_forbidden":
         known = list(keys(holder))
         return loc, f"unknown key '{loc[-1]}'", did_you_mean(str(loc[-1]), known) or f"known here: {', '.join(known)}"

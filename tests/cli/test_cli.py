@@ -170,6 +170,13 @@ def test_validate_names_every_bad_file_and_counts_the_flights_of_good_ones(tmp_p
     assert "bad.yaml" in done.stderr
 
 
+def test_validate_counts_the_flights_of_each_part(tmp_path):
+    text = Path(SMOKE).read_text().partition("sweep:")[0] + "parts:\n  a: {replicates: 3, sweep: {replan.k: [1, 2]}}\n  b: {}\n"
+    (tmp_path / "parts.yaml").write_text(text)
+    done = testbed("validate", "parts.yaml", cwd=tmp_path)
+    assert done.stdout == "parts.yaml: 7 flights in 3 cells\n  a: 6 flights in 2 cells\n  b: 1 flights in 1 cells\n"
+
+
 def test_what_there_is_to_choose_from(tmp_path):
     assert {"gtm_t2", "c172p"} <= set(testbed("list", "aircraft", cwd=tmp_path).stdout.split())
     assert {"none", "scoam"} <= set(testbed("list", "methods", cwd=tmp_path).stdout.split())

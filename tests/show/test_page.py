@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from testbed.results.checks import CheckResult
+from testbed.show import answer
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
 from testbed.spec.model import Campaign
@@ -100,6 +101,19 @@ def test_every_flight_and_its_numbers_are_there_without_javascript(four: tuple[l
     for part in ("2.68", "−9.19", "fails when flown", "12.31", "103", "68", "2.67", "0a1b2c", "versions jsbsim", "1.3.3", "Does it hold?"):  # noqa: RUF001
         assert part in text, part
     assert [dict(a)["href"] for tag, a in page.tags if tag == "a"].count("recordings/one.rrd") == 4
+
+
+def test_axes_that_only_some_parts_have(four: tuple[list[Row], dict[str, Any]]) -> None:
+    """The method, swept in one part and set in the other, is in its own column only; what is missing is not shown as a word."""
+    rows, series = four
+    for row, labels in zip(rows, ({"method.kind": "none"}, {"method.kind": "scoam"}, {"reading": "a"}, {"reading": "b"}), strict=True):
+        row["labels"] = {"part": "first" if "method.kind" in labels else "second"} | labels
+        row |= {"plant": "jsbsim", "method": labels.get("method.kind", "none")}
+    page = parsed(render_page(campaign(), rows, series, PROVENANCE))
+    text = " ".join(" ".join(page.text).split())
+    assert answer.listed_axes(rows) == answer.telling_axes(rows) == ["part", "reading"]
+    assert "None" not in text
+    assert [answer.circumstances(row, answer.telling_axes(rows)) for row in rows] == ["first", "first", "second, a", "second, b"]
 
 
 def test_the_answer_in_words_follows_the_rows(four: tuple[list[Row], dict[str, Any]]) -> None:

@@ -35,10 +35,49 @@ sweep:
     high: {begin: {climb_at_most_deg: 18}, plant.kind: jsbsim}
 """
 
+PARTED = (
+    GOOD.partition("sweep:\n")[0]
+    + """\
+draw: {replan.k: {within: 0.1}}
+parts:
+  calm:
+    replicates: 1
+    set: {air.wind: {kind: calm}}
+    sweep:
+      method.kind: [none, scoam]
+      flown:
+        slow: {speed_mps: 40}
+        fast: {speed_mps: 60}
+    skip:
+      - {method.kind: none, flown: [fast]}
+  wind:
+    draw:
+      obstacles.O.direction_deg: {within: [0.5, 0.05]}
+      route.magnitude_chords: {between: [0.6, 2.2]}
+  population:
+    replicates: 3
+    recordings: none
+    set: {obstacles: []}
+    encounters:
+      own_at_enu_m: [162, 101, 64.3]
+      own_direction_deg: [24.7, 12.0]
+      trigger: {range_m: 100}
+      obstacle_speed_mps: [20, 50]
+      radius_m: [25, 30]
+    sweep:
+      sensor.range_m: [100, 200]
+"""
+)
+
 
 @pytest.fixture
 def good() -> str:
     return GOOD
+
+
+@pytest.fixture
+def parted() -> str:
+    return PARTED
 
 
 @pytest.fixture

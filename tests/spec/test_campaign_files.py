@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -58,6 +59,21 @@ def test_smoke_has_four_flights() -> None:
     assert list(plans_of("smoke")) == ["kinematic/none", "kinematic/scoam", "jsbsim/none", "jsbsim/scoam"]
 
 
+def test_the_example_in_contributing_is_a_campaign(tmp_path: Path) -> None:
+    (example,) = re.findall(r"^```yaml\n(parts:.*?)^```", (CAMPAIGNS.parent / "CONTRIBUTING.md").read_text(), re.M | re.S)
+    file = tmp_path / "example.yaml"
+    file.write_text((CAMPAIGNS / "paper_single.yaml").read_text().partition("sweep:")[0] + example)
+    cells = [plan.cell for plan in expand(load_campaign(file))]
+    assert {cell: cells.count(cell) for cell in cells} == {
+        "calm/none/ground_fixed": 1,
+        "calm/scoam/ground_fixed": 1,
+        "calm/scoam/anchored": 1,
+        "robust": 50,
+        "population/none": 100,
+        "population/scoam": 100,
+    }
+
+
 def test_the_committed_schema_is_the_text_of_schema() -> None:
     """If not: ``testbed schema > campaigns/campaign.schema.json``."""
     assert (CAMPAIGNS / "campaign.schema.json").read_text() == schema()
@@ -81,7 +97,9 @@ def test_the_schema_describes_every_key_with_its_unit() -> None:
 
 
 def test_the_schema_knows_the_paths_of_a_sweep() -> None:
-    axes = json.loads(schema())["properties"]["sweep"]["properties"]
+    document = json.loads(schema())
+    axes = document["properties"]["sweep"]["properties"]
+    assert set(document["properties"]["draw"]["properties"]) == set(axes) == set(document["$defs"]["Settings"]["properties"])
     assert {"method.kind", "begin", "begin.climb_at_most_deg", "air.wind.speed_mps", "rates.plant_hz"} <= set(axes)
     assert axes["plant.kind"]["anyOf"][0]["items"]["enum"] == ["kinematic", "point_mass", "jsbsim"]
     assert [kind["const"] for kind in axes["air.wind.kind"]["anyOf"][0]["items"]["anyOf"]] == ["calm", "steady", "power_law", "logarithmic"]

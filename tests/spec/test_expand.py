@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from testbed.spec import Campaign, FlightPlan, SpecError, expand, load_campaign
-from testbed.spec.expand import axes_of, flight_id
+from testbed.spec.axes import axes_of
+from testbed.spec.expand import flight_id
 from testbed.spec.nodes import Tree
 
 Write = Callable[[str], str]

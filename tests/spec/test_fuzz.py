@@ -7,6 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from testbed.spec import SpecError, expand, load_campaign
+from tests.spec.conftest import PARTED
 
 GOOD_FILES = sorted((Path(__file__).resolve().parents[2] / "campaigns").glob("*.yaml"))
 NASTY = [
@@ -65,7 +66,7 @@ NASTY = [
     ),
 ]
 
-texts = st.sampled_from([file.read_text() for file in GOOD_FILES])
+texts = st.sampled_from([*(file.read_text() for file in GOOD_FILES), PARTED])
 places = st.floats(0, 1, exclude_max=True)
 
 
@@ -132,7 +133,24 @@ def test_a_mutated_file_loads_or_is_refused(tmp_path: Path, data: bytes) -> None
             st.text(max_size=20),
             st.builds(
                 "{}={}".format,
-                st.sampled_from(["seed", "begin", "obstacles.O", "sweep", "sweep.x", "air.wind", "route.goal_enu_m", "method.options.a.b"]),
+                st.sampled_from(
+                    [
+                        "parts",
+                        "parts.a",
+                        "draw",
+                        "draw.replan.k",
+                        "encounters",
+                        "skip",
+                        "seed",
+                        "begin",
+                        "obstacles.O",
+                        "sweep",
+                        "sweep.x",
+                        "air.wind",
+                        "route.goal_enu_m",
+                        "method.options.a.b",
+                    ]
+                ),
                 st.sampled_from(NASTY),
             ),
         ),
@@ -145,10 +163,11 @@ def test_any_override_is_taken_or_refused(file: Path, overrides: list[str]) -> N
 
 @pytest.mark.slow
 @pytest.mark.parametrize("nasty", NASTY)
-def test_nasty_values_in_every_place(tmp_path: Path, good: str, nasty: str) -> None:
+@pytest.mark.parametrize("which", ["good", "parted"])
+def test_nasty_values_in_every_place(tmp_path: Path, request: pytest.FixtureRequest, which: str, nasty: str) -> None:
     """Not random: each nasty value in every fourth place, each place with every fourth value."""
     path = tmp_path / "nasty.yaml"
-    words = good.split(" ")
+    words = request.getfixturevalue(which).split(" ")
     for i in range(NASTY.index(nasty) % 4, len(words), 4):
         path.write_text(" ".join([*words[:i], nasty, *words[i + 1 :]]))
         check(path, [])

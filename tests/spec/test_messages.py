@@ -85,7 +85,7 @@ ONE_FAULT = [
     (
         "  method.kind: [none, scoam]",
         "  seed: [1, 2]",
-        "22:3: sweep.seed: 'seed' belongs to the campaign as a whole and cannot be swept",
+        "22:3: sweep.seed: 'seed' belongs to the campaign as a whole, not to a flight",
         "",
     ),
     ("[none, scoam]", "[]", "22:3: sweep.method.kind: an axis without values makes no flights", ""),
