@@ -10,7 +10,7 @@ from testbed.airframe.trial import GUIDANCE_HZ, PLANT_HZ, hold
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.base import Command, State
 from testbed.flight.plants.rig import Controls, Rig
-from testbed.units import DEG
+from testbed.units import DEG, G0_MPS2
 
 Array = np.ndarray
 SMALL = 0.05  # of full aileron, or of full throttle
@@ -122,17 +122,27 @@ def bank_step(aircraft: Aircraft, speed_mps: float, step_rad: float = STEP_BANK_
     """Bank command from level, height held by the load factor that the bank needs."""
 
     def command(time_s: float, state: State) -> Command:
-        return Command(step_rad if time_s >= 0.0 else 0.0, math.cos(state.pitch) / math.cos(state.bank), speed_mps, 0.0, 0.0)
+        return Command(step_rad if time_s >= 0.0 else 0.0, math.cos(state.pitch) / math.cos(state.bank), speed_mps, 0.0)
 
     flown = hold(aircraft, speed_mps, SETTLED_S, command)
     return StepResponse(flown["time_s"], (flown["bank"] - flown["bank"][0]) / step_rad), flown
+
+
+def turn_response(flown: dict[str, Array], step_rad: float = STEP_BANK_RAD) -> StepResponse:
+    """The same step as the path sees it: the bank of a coordinated turn that bends the track as the flight did.
+
+    It is later than the bank where a rudder that keeps the nose in the wind pushes the aircraft sideways while it rolls.
+    """
+    speed, track = np.hypot(flown["vx"], flown["vy"]), np.unwrap(np.arctan2(flown["vx"], flown["vy"]))
+    bank = np.arctan(speed * np.gradient(track, flown["time_s"]) / G0_MPS2)
+    return StepResponse(flown["time_s"], (bank - bank[0]) / step_rad)
 
 
 def load_factor_step(aircraft: Aircraft, speed_mps: float, step: float = STEP_LOAD_FACTOR) -> tuple[StepResponse, dict[str, Array]]:
     """Load-factor command from level flight, wings level."""
 
     def command(_time_s: float, state: State) -> Command:
-        return Command(0.0, 1.0 + step, speed_mps, math.sin(state.pitch - state.alpha), 0.0)
+        return Command(0.0, 1.0 + step, speed_mps, math.sin(state.pitch - state.alpha))
 
     flown = hold(aircraft, speed_mps, SETTLED_S, command)
     return StepResponse(flown["time_s"], (flown["load_factor"] - flown["load_factor"][0]) / step), flown
@@ -143,6 +153,6 @@ def speed_step(aircraft: Aircraft, speed_mps: float, step_mps: float = 2.0) -> d
 
     def command(_time_s: float, state: State) -> Command:
         climb_rate = -state.vz / speed_mps
-        return Command(0.0, math.cos(state.pitch) + 1.5 * climb_rate, speed_mps + step_mps, 0.0, 0.0)
+        return Command(0.0, math.cos(state.pitch) + 1.5 * climb_rate, speed_mps + step_mps, 0.0)
 
     return hold(aircraft, speed_mps, 30.0, command)

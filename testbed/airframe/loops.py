@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from testbed.airframe.linearise import LinearModel
+from testbed.airframe.linearise import LinearModel, respond
 from testbed.flight.aircraft import AutopilotGains
 from testbed.units import G0_MPS2
 
@@ -39,18 +39,8 @@ class ClosedLoop:
 
     def step(self, seconds: float, dt_s: float, disturbed: bool = False) -> Array:
         """Output (n,) after a unit step of the reference, or of the disturbance."""
-        from scipy.linalg import expm
-
-        size = len(self.a)
-        augmented = np.zeros((size + 1, size + 1))
-        augmented[:size, :size], augmented[:size, size] = self.a, self.disturbance if disturbed else self.b
-        advance = expm(augmented * dt_s)
-        state = np.append(np.zeros(size), 1.0)
-        out = np.empty(round(seconds / dt_s) + 1)
-        for k in range(len(out)):
-            out[k] = self.c @ state[:size]
-            state = advance @ state
-        return out
+        time_s = dt_s * np.arange(round(seconds / dt_s) + 1)
+        return respond(self.a, self.disturbance if disturbed else self.b, np.zeros(len(self.a)), time_s) @ self.c
 
     def sensitivity(self) -> float:
         """The greatest of |1 / (1 + L)| over frequency, at the worst of the surfaces."""
@@ -94,20 +84,35 @@ def _with_lags(a: Array, b: Array, lags_s: tuple[float, ...]) -> tuple[Array, Ar
 
 
 def lateral(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ...], output: str = "bank") -> ClosedLoop:
-    """Bank command to bank, sideslip (rad) or rudder command: roll rate inside bank, and the rudder."""
+    """Bank command to bank, sideslip (rad) or rudder command: roll rate inside bank, and the rudder with its integral of sideslip.
+
+    The disturbance is a rudder out of trim by what holds one radian of sideslip.
+    """
     a, b = _with_lags(model.a_lat, model.b_lat, lags_s)
-    size = len(a)
+    size = len(a) + 1  # the integral of sideslip comes last
+    a, b = np.pad(a, (0, 1)), np.pad(b, ((0, 1), (0, 0)))
+    a[-1, 0] = 1.0 / model.speed_mps
+    turn = G0_MPS2 / model.speed_mps * math.cos(model.pitch_rad)  # yaw rate of a turn per bank
     feedback = np.zeros((2, size))
     feedback[0, 1] = -gains.aileron_per_roll_rate_s
-    feedback[0, 3] = -gains.bank_1ps * (gains.aileron_per_roll_rate_s + gains.aileron_feed_forward_s)
-    feedback[1, 0] = gains.rudder_per_beta / model.speed_mps
+    feedback[0, 3] = per_bank = -gains.bank_1ps * (gains.aileron_per_roll_rate_s + gains.aileron_feed_forward_s)
+    feedback[1, 0] = -gains.rudder_p / model.speed_mps
+    feedback[1, 1] = gains.rudder_per_roll_rate_s - gains.rudder_per_yaw_rate_s * model.pitch_rad
     feedback[1, 2] = gains.rudder_per_yaw_rate_s
-    feedback[1, 3] = -gains.rudder_per_yaw_rate_s * G0_MPS2 / model.speed_mps * math.cos(model.pitch_rad)
+    feedback[1, 3] = (gains.rudder_per_turn_rate_s - gains.rudder_per_yaw_rate_s) * turn
+    feedback[1, -1] = -gains.rudder_i_1ps
+    feedback[1] += gains.rudder_per_aileron * feedback[0]
     outputs = {"bank": np.eye(size)[3], "sideslip": np.eye(size)[0] / model.speed_mps, "rudder": feedback[1]}
-    gust = np.zeros(size)
-    gust[:4] = -model.a_lat[:, 0] * model.speed_mps  # of sideslip: a step of one radian
+    upset = np.zeros(size)
+    upset[:4] = model.b_lat[:, 1] / slip_per_rudder(model)
     broken = tuple((a + np.outer(b[:, 1 - k], feedback[1 - k]), b[:, k], feedback[k]) for k in (0, 1))
-    return ClosedLoop(a + b @ feedback, -b[:, 0] * feedback[0, 3], outputs[output], gust, broken)
+    reference = -(b[:, 0] + gains.rudder_per_aileron * b[:, 1]) * per_bank
+    return ClosedLoop(a + b @ feedback, reference, outputs[output], upset, broken)
+
+
+def slip_per_rudder(model: LinearModel) -> float:
+    """Sideslip (rad) that a unit of rudder holds against the weathercock stability of the aircraft."""
+    return float(abs(model.b_lat[2, 1] / (model.a_lat[2, 0] * model.speed_mps)))
 
 
 def pitch(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ...]) -> ClosedLoop:

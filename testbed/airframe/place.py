@@ -10,8 +10,8 @@ from itertools import product
 
 import numpy as np
 
-from testbed.airframe.linearise import LinearModel, roll_in_one_degree
-from testbed.airframe.loops import ClosedLoop, elevator_per_load_factor, lateral, pitch
+from testbed.airframe.linearise import LinearModel, respond, roll_in_one_degree
+from testbed.airframe.loops import ClosedLoop, elevator_per_load_factor, lateral, pitch, slip_per_rudder
 from testbed.flight.aircraft import AutopilotGains
 from testbed.units import DEG
 
@@ -20,7 +20,8 @@ MOST_OVERSHOOT = 0.03
 RATIOS = (2.0, 1.4, 1.15, 1.05, 1.02)  # of one step of the search, coarse to fine
 STEP_S = 0.02
 UPSET_WEIGHT = 0.3  # of an elevator out of trim by 1 g, beside a step of the command by 1 g
-RUDDER_WEIGHT = 0.5  # a rudder that would hold one degree of sideslip counts as half a degree of it
+SLIP_S = 6.0  # over which sideslip and rudder are summed
+RUDDER = ("rudder_p", "rudder_i_1ps", "rudder_per_yaw_rate_s")
 Gains = dict[str, float]
 
 
@@ -58,30 +59,26 @@ def _penalty(loop: ClosedLoop, response_peak: float) -> float:
 
 
 def place_lateral(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ...]) -> AutopilotGains:
-    """Aileron and rudder. The rudder answers for sideslip: in a turn entry, and after a side gust."""
+    """Aileron and rudder. The rudder's feed-forward keeps a turn and its entry free of sideslip, its feedback answers what upsets it."""
     time_constant, rate_per_aileron = roll_in_one_degree(model)
+    _, per_roll_rate, per_yaw_rate, _ = model.a_lat[2]
+    per_aileron, per_rudder = model.b_lat[2]
+    slip = slip_per_rudder(model)
     gains = with_gains(
         gains,
         {
             "aileron_feed_forward_s": rounded(1.0 / rate_per_aileron),
             "aileron_per_roll_rate_s": rounded(0.2 / rate_per_aileron),
             "bank_1ps": rounded(0.5 / (time_constant + sum(lags_s))),
-            "rudder_per_beta": 0.0,
-            "rudder_per_yaw_rate_s": rounded(0.05 / abs(model.b_lat[2, 1])),
+            "rudder_per_aileron": rounded(-per_aileron / per_rudder),  # these three: no yawing moment without sideslip
+            "rudder_per_roll_rate_s": rounded(-per_roll_rate / per_rudder),
+            "rudder_per_turn_rate_s": rounded(-per_yaw_rate / per_rudder),
+            "rudder_p": rounded(0.5 / slip),
+            "rudder_i_1ps": rounded(1.0 / slip),
+            "rudder_per_yaw_rate_s": rounded(abs(per_yaw_rate / per_rudder)),
         },
     )
     seconds = 8.0 * (time_constant + sum(lags_s)) + 1.0
-
-    slip_per_rudder = abs(model.b_lat[2, 1] / (model.a_lat[2, 0] * model.speed_mps))
-
-    def slip_cost(tried: Gains) -> float:
-        loop = lateral(model, with_gains(gains, tried), lags_s, "sideslip")
-        if not loop.stable:
-            return math.inf
-        entry = loop.step(seconds, STEP_S)
-        rudder = lateral(model, with_gains(gains, tried), lags_s, "rudder").step(seconds, STEP_S)
-        effort = RUDDER_WEIGHT * slip_per_rudder * rudder
-        return float((entry**2).sum() + (effort**2).sum()) * STEP_S + _penalty(loop, 1.0)
 
     def bank_cost(tried: Gains) -> float:
         loop = lateral(model, with_gains(gains, tried), lags_s)
@@ -90,11 +87,30 @@ def place_lateral(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float
         response = loop.step(seconds, STEP_S)
         return float(((1.0 - response) ** 2).sum()) * STEP_S + _penalty(loop, float(response.max()))
 
+    def rudder_cost(tried: Gains) -> float:
+        return slip_cost(model, with_gains(gains, tried), lags_s)
+
     for _ in range(2):  # each of the two sees the other closed
-        gains = with_gains(gains, search(slip_cost, {"rudder_per_yaw_rate_s": gains.rudder_per_yaw_rate_s}))
+        gains = with_gains(gains, search(rudder_cost, {name: getattr(gains, name) for name in RUDDER}))
         found = search(bank_cost, {name: getattr(gains, name) for name in ("bank_1ps", "aileron_per_roll_rate_s")})
         gains = with_gains(gains, found)
     return gains
+
+
+def slip_cost(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ...]) -> float:
+    """Sideslip squared after the edge of a side gust and after an upset of the rudder's trim; the rudder spent on the gust counts
+    by the sideslip that it would hold.
+    """
+    loop = lateral(model, gains, lags_s, "rudder")
+    if not loop.stable:
+        return math.inf
+    time_s = np.arange(0.0, SLIP_S, STEP_S)
+    still, gust = np.zeros(len(loop.a)), np.zeros(len(loop.a))
+    gust[0] = model.speed_mps  # one radian
+    after_gust, after_upset = respond(loop.a, still, gust, time_s), respond(loop.a, loop.disturbance, still, time_s)
+    slips = np.concatenate([after_gust[:, 0], after_upset[:, 0]]) / model.speed_mps
+    rudder = slip_per_rudder(model) * (after_gust @ loop.c)
+    return float((slips**2).sum() + (rudder**2).sum()) * STEP_S + _penalty(loop, 1.0)
 
 
 def place_pitch(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ...]) -> AutopilotGains:

@@ -26,6 +26,7 @@ from testbed.airframe.identify import (
     servo_lag_s,
     speed_step,
     thrust_lag_s,
+    turn_response,
 )
 from testbed.airframe.linearise import LinearModel, linearise
 from testbed.airframe.loops import lateral, pitch
@@ -38,6 +39,7 @@ from testbed.units import DEG, G0_MPS2
 
 Array = np.ndarray
 MOST_SENSITIVITY = 1.5  # of the guidance loop: gain margin 3, phase margin 39 deg at least
+MOST_TURN_SENSITIVITY = 2.0  # the same with the rudder's side force, which comes before the turn: gain margin 2, phase margin 29 deg
 DAMPING = 0.8  # of the error from the path
 INTEGRAL_SHARE = 0.25  # the integral of guidance answers four times as slowly as the error loop, that of the throttle as its loop
 SPEED_LOOP_LAGS = 0.5  # crossover of the speed loop times the lag of the engine
@@ -90,13 +92,14 @@ def find_gains(aircraft: Aircraft) -> Aircraft:
     gains = place_pitch(model, place_lateral(model, aircraft.autopilot, lags), lags)
     power = _power(aircraft, speed)
     aircraft = _changed(_measured(aircraft, speed), autopilot=gains.model_dump() | place_throttle(power, math.inf))
-    bank, lift = bank_step(aircraft, speed)[0], load_factor_step(aircraft, speed)[0]
-    bandwidth = guidance_bandwidth(bank, lift)
-    leads = {"bank_lead_s": rounded(max(0.0, bank.lag_s(bandwidth))), "load_factor_lead_s": rounded(max(0.0, lift.lag_s(bandwidth)))}
+    (bank, flown), (lift, _) = bank_step(aircraft, speed), load_factor_step(aircraft, speed)
+    turn = turn_response(flown)
+    bandwidth = guidance_bandwidth(bank, lift, turn)
+    leads = {"bank_lead_s": rounded(max(0.0, turn.lag_s(bandwidth))), "load_factor_lead_s": rounded(max(0.0, lift.lag_s(bandwidth)))}
     integral = rounded(INTEGRAL_SHARE * bandwidth)
     aircraft = _changed(aircraft, guidance={"bandwidth_rad_s": bandwidth, "damping": DAMPING, "integral_1ps": integral, **leads})
     aircraft = _changed(aircraft, autopilot=place_throttle(power, bandwidth))
-    return _changed(aircraft, point_mass=_as_point(aircraft, power, bank.lag_s(bandwidth), lift.lag_s(bandwidth)))
+    return _changed(aircraft, point_mass=_as_point(aircraft, power, turn.lag_s(bandwidth), lift.lag_s(bandwidth)))
 
 
 def surface_lags(aircraft: Aircraft, model: LinearModel) -> tuple[float, float, float]:
@@ -149,13 +152,16 @@ def place_throttle(power: Power, bandwidth: float) -> dict[str, float]:
     }
 
 
-def guidance_bandwidth(bank: StepResponse, lift: StepResponse) -> float:
-    """The highest bandwidth (rad/s, in steps of 0.05) that keeps the path loop, closed through both responses, in its bound."""
-    answers = [response.transfer(CONTROL_RAD_S) for response in (bank, lift)]
+def guidance_bandwidth(bank: StepResponse, lift: StepResponse, turn: StepResponse) -> float:
+    """The highest bandwidth (rad/s, in steps of 0.05) that keeps the path loop, closed through each response, in its bound."""
+    answers = [
+        (response.transfer(CONTROL_RAD_S), most)
+        for response, most in ((bank, MOST_SENSITIVITY), (lift, MOST_SENSITIVITY), (turn, MOST_TURN_SENSITIVITY))
+    ]
     best = 0.05
     for bandwidth in np.arange(0.1, 5.0, 0.05):
         law = path_law(float(bandwidth))
-        if max(float(np.max(1.0 / np.abs(1.0 + law * answer))) for answer in answers) > MOST_SENSITIVITY:
+        if any(float(np.max(1.0 / np.abs(1.0 + law * answer))) > most for answer, most in answers):
             break
         best = round(float(bandwidth), 2)
     return best
@@ -190,7 +196,7 @@ def verify(aircraft: Aircraft) -> list[Check]:
     model = linearise(Rig(aircraft, speed))
     lags = surface_lags(aircraft, model)
     small, _ = bank_step(aircraft, speed)
-    large, _ = bank_step(aircraft, speed, 0.5 * aircraft.limits.bank_deg * DEG)
+    large, turning = bank_step(aircraft, speed, 0.5 * aircraft.limits.bank_deg * DEG)
     lift, _ = load_factor_step(aircraft, speed)
     faster = speed_step(aircraft, speed)["airspeed"] - speed
     radius = 1.5 * turn_radius(speed, aircraft.limits.bank_deg * DEG)
@@ -202,6 +208,7 @@ def verify(aircraft: Aircraft) -> list[Check]:
         Check("bank step 10 deg, overshoot", 100.0 * small.overshoot, 5.0, "%"),
         Check("bank step 10 deg, settled within 5 % after", small.settling_s(), 10.0 * small.lag_s(1.0), "s"),
         Check("bank step to half the limit, overshoot", 100.0 * large.overshoot, 5.0, "%"),
+        Check("bank step to half the limit, sideslip after 5 s", abs(float(turning["beta"][-1])) / DEG, 0.5, "deg"),
         Check("load factor step 0.2, overshoot", 100.0 * lift.overshoot, 12.0, "%"),
         Check("load factor step 0.2, off after 5 s", 100.0 * abs(1.0 - float(lift.response[-1])), 6.0, "%"),
         Check("speed step 2 m/s, overshoot", 50.0 * max(0.0, float(faster.max()) - 2.0), 25.0, "%"),

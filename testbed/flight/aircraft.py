@@ -41,7 +41,7 @@ class GuidanceGains(Section):
     bandwidth_rad_s: Positive
     damping: Positive
     integral_1ps: NonNegative
-    bank_lead_s: NonNegative  # the lag from bank command to bank, made up for by looking ahead along the path
+    bank_lead_s: NonNegative  # the lag from bank command to turn, made up for by looking ahead along the path
     load_factor_lead_s: NonNegative
 
 
@@ -57,8 +57,12 @@ class AutopilotGains(Section):
     elevator_p: NonNegative
     elevator_i_1ps: NonNegative
     elevator_per_pitch_rate_s: NonNegative
-    rudder_per_beta: Number
-    rudder_per_yaw_rate_s: NonNegative
+    rudder_per_aileron: Number  # feed-forward: takes out the yaw of the aileron, of rolling and of turning
+    rudder_per_roll_rate_s: Number
+    rudder_per_turn_rate_s: Number
+    rudder_p: NonNegative  # against sideslip (1/rad), and against its integral
+    rudder_i_1ps: NonNegative
+    rudder_per_yaw_rate_s: NonNegative  # against the yaw rate beside that of a turn without sideslip
     throttle_per_mps: NonNegative
     throttle_integral_1ps: NonNegative
     throttle_per_accel_g: NonNegative  # throttle per g of longitudinal acceleration, climb included

@@ -4,6 +4,7 @@ Surface signs are JSBSim's: elevator + nose down, aileron + rolls right, rudder 
 """
 
 import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 from testbed.flight.aircraft import Aircraft
@@ -26,6 +27,7 @@ class Memory(NamedTuple):
 
     elevator: float = 0.0
     throttle: float = 0.0
+    rudder: float = 0.0
     load_factor: float = math.nan  # the command, as late as the aircraft answers it
 
 
@@ -33,8 +35,7 @@ class Autopilot:
     """Settings of one aircraft's loops; ``step`` is pure."""
 
     def __init__(self, aircraft: Aircraft, trim_throttle: float, dt_s: float) -> None:
-        self._gains = aircraft.autopilot
-        self._limits = aircraft.limits
+        self._gains = SimpleNamespace(**aircraft.autopilot.model_dump())  # looked up faster than in the model
         self._roll_limit = aircraft.limits.roll_rate_dps * DEG
         self._trim_throttle = trim_throttle
         self._dt = dt_s
@@ -43,7 +44,7 @@ class Autopilot:
 
     def step(self, memory: Memory, state: State, command: Command) -> tuple[Surfaces, Memory]:
         g = self._gains
-        _, _, _, _, _, _, bank, pitch, _, load_factor, airspeed, _, beta, p, q, r, *_ = state
+        _, _, _, _, _, _, bank, pitch, _, load_factor, airspeed, alpha, beta, p, q, r, *_ = state
         airspeed = airspeed if airspeed > 1.0 else 1.0
         ratio = g.reference_mps / airspeed
         scale = ratio * ratio
@@ -68,23 +69,29 @@ class Autopilot:
         )
         elevator_out = -1.0 if elevator < -1.0 else 1.0 if elevator > 1.0 else elevator
 
-        yaw_rate_cmd = turn * math.sin(bank) * cos_pitch
-        rudder = scale * (g.rudder_per_beta * beta + g.rudder_per_yaw_rate_s * (r - yaw_rate_cmd))
+        # what keeps the nose in the wind: the turn of the velocity, and rolling about it rather than about the body's axis
+        turn_rate = turn * math.sin(bank) * cos_pitch
+        slip = g.rudder_per_yaw_rate_s * (r - turn_rate - alpha * p) - g.rudder_p * beta - memory.rudder
+        rudder = (
+            scale * slip
+            + ratio * (g.rudder_per_turn_rate_s * turn_rate + g.rudder_per_roll_rate_s * p)
+            + g.rudder_per_aileron * aileron_out
+        )
         rudder_out = -1.0 if rudder < -1.0 else 1.0 if rudder > 1.0 else rudder
 
         throttle, throttle_memory = self._throttle(memory, state, command)
         still = aileron_out == aileron and elevator_out == elevator and rudder_out == rudder
         grow = elevator_out == elevator  # no wind-up against a stop; nor in a rise, whose lag is no error
         integral = memory.elevator + (g.elevator_i_1ps * (late - load_factor) * self._dt if grow else 0.0)
+        yaw_integral = memory.rudder + (g.rudder_i_1ps * beta * self._dt if rudder_out == rudder else 0.0)
         surfaces = make(Surfaces, (elevator_out, aileron_out, rudder_out, throttle, not still))
-        return surfaces, make(Memory, (integral, throttle_memory, late))
+        return surfaces, make(Memory, (integral, throttle_memory, yaw_integral, late))
 
     def _throttle(self, memory: Memory, state: State, command: Command) -> tuple[float, float]:
-        """Feed-forward of climb and acceleration, plus PI on airspeed."""
+        """Feed-forward of the climb, plus PI on airspeed."""
         g = self._gains
         error = command.speed - state.airspeed
-        demand = command.sin_climb + command.accel / G0_MPS2
-        raw = self._trim_throttle + g.throttle_per_accel_g * demand + g.throttle_per_mps * error + memory.throttle
+        raw = self._trim_throttle + g.throttle_per_accel_g * command.sin_climb + g.throttle_per_mps * error + memory.throttle
         out = 0.0 if raw < 0.0 else 1.0 if raw > 1.0 else raw
         integral = memory.throttle + (g.throttle_integral_1ps * error * self._dt if out == raw else 0.0)
         return out, integral

@@ -7,6 +7,7 @@ plant it has. Time is an integer tick.
 """
 
 import math
+import struct
 from time import perf_counter
 
 from testbed.flight.aircraft import idealised, load_aircraft
@@ -60,7 +61,8 @@ def _loop(
     plant.follow(path, scene.begin_s_m)
     ended = _Ending(plan, scene)
     sample, write = plant.sample(), log.samples.extend
-    write(sample)
+    pack = struct.Struct(f"{len(sample)}d").pack  # a third of what an array takes to extend
+    write(pack(*sample))
     tick = 0
     while True:
         state = plant.state(sample)
@@ -79,7 +81,7 @@ def _loop(
         for _ in ticks_per_command:
             plant.step()
             sample = plant.sample()
-            write(sample)
+            write(pack(*sample))
             tick += 1
 
 

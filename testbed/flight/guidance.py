@@ -63,13 +63,16 @@ class BankToTurn:
         self._n_per_speed2 = 1.0 / limits.alpha_max_1g_mps**2
         self._per_slowest = UNLOAD / limits.speed_min_mps
 
-    def solve(self, left: float, up: float, state: State) -> tuple[float, float, float]:
-        """Bank (rad), load factor, and which limits cut them; ``left`` and ``up`` in m/s^2, gravity made up for in ``up``."""
+    def solve(self, left: float, soon: float, up: float, state: State) -> tuple[float, float, float]:
+        """Bank (rad), load factor, and which limits cut them; demands in m/s^2, gravity made up for in ``up``.
+
+        ``left`` is what the bank will have to serve when it answers; ``soon``, to the left too, what the load factor will.
+        """
         most = self._bank
         raw_bank = math.atan2(-left, up if up > LEAST_LIFT_MPS2 else LEAST_LIFT_MPS2)
         bank = -most if raw_bank < -most else most if raw_bank > most else raw_bank
         # the lift that serves the demand at the bank the aircraft has, not at the one it was told
-        raw_n = (up * math.cos(state.bank) - left * math.sin(state.bank)) / G0_MPS2
+        raw_n = (up * math.cos(state.bank) - soon * math.sin(state.bank)) / G0_MPS2
         airspeed = state.airspeed
         available = self._n_per_speed2 * airspeed * airspeed
         n_max = available if available < self._n_max else self._n_max
@@ -141,10 +144,12 @@ class LookAheadLaw:
         if (far := k * math.sqrt(e_left * e_left + e_up * e_up)) > (most := c * STEEPEST_RETURN * speed):
             k *= most / far
         damp, v2 = c * v_along, v_along * v_along
-        left = damp * (tx * lx + ty * ly) - k * e_left - memory.left + v2 * (ahead[6] * lx + ahead[7] * ly)
+        left = damp * (tx * lx + ty * ly) - k * e_left - memory.left
+        soon = left + v2 * (lift_ahead[6] * lx + lift_ahead[7] * ly)
+        left += v2 * (ahead[6] * lx + ahead[7] * ly)
         up = damp * (tx * ux + ty * uy + tz * uz) - k * e_up - memory.up + G0_MPS2 * uz
         up += v2 * (lift_ahead[6] * ux + lift_ahead[7] * uy + lift_ahead[8] * uz)
-        bank, load_factor, limited = self._turn.solve(left, up, state)
+        bank, load_factor, limited = self._turn.solve(left, soon, up, state)
 
         i_left, i_up = memory.left, memory.up
         if not limited:
@@ -154,5 +159,5 @@ class LookAheadLaw:
             i_up = -bound if i_up < -bound else bound if i_up > bound else i_up
         airspeed, scheduled = self._hold.solve(state, speed, memory.scheduled_s_m - s)
         memory = make(Memory, (s + v_along * self._dt, memory.scheduled_s_m + scheduled * self._dt, i_left, i_up))
-        command = make(Command, (bank, load_factor, airspeed, power_ahead[5], 0.0))
+        command = make(Command, (bank, load_factor, airspeed, power_ahead[5]))
         return command, memory, make(Telemetry, (s, bank, load_factor, limited))

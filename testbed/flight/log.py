@@ -38,7 +38,7 @@ class FlightLog:
 
     def __init__(self, plan: FlightPlan, begin_s_m: float) -> None:
         self.plan, self.begin_s_m = plan, begin_s_m
-        self.samples = array("d")  # the plant's own rows, one a tick
+        self.samples = bytearray()  # the plant's own rows of doubles, one a tick
         self.guidance = array("d")
         self.events: list[ReplanEvent] = []
         self.paths: list[tuple[float, ActivePath]] = []

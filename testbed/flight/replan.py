@@ -84,6 +84,9 @@ class Planner:
         self, memory: Memory, time_s: float, state: State, path: Chain, s_m: float
     ) -> tuple[Memory, ActivePath | None, ReplanEvent | None]:
         """One tick of a flight that is at ``s_m`` of ``path``: the new path, if there is one, and the event, if something was decided."""
+        holding = s_m >= memory.hold_from_s_m
+        if not holding and len(memory.handled) == len(self._scene.tracks):  # nobody is left to be new
+            return memory, None, None
         own_pos = (state.x, state.y, state.z)
         seen = detect(self._plan.sensor, self._scene.tracks, time_s, own_pos)
         swell = self._plan.replan.swell_m
@@ -91,7 +94,7 @@ class Planner:
             threats = self._threats(time_s, state, seen)
             if any(sighting.track.name not in memory.handled for sighting in threats):
                 return self._answer(memory, time_s, state, threats, path, s_m)
-        if s_m >= memory.hold_from_s_m:
+        if holding:
             known = [track for track in self._scene.tracks if track.name in memory.handled or any(track is other for other, _ in seen)]
             return self._back(memory, time_s, state, known)
         return memory, None, None

@@ -53,3 +53,24 @@ def test_placed_loops_are_stable_and_as_robust_as_they_should_be(name: str, spee
         assert loop.sensitivity() <= MOST_SENSITIVITY + 1e-3
         assert loop.step(20.0, 0.02)[-1] == pytest.approx(1.0, abs=0.05)
     assert elevator_per_load_factor(model) == pytest.approx(-gains.elevator_per_load_factor, rel=5e-3)
+
+
+def test_feed_forward_of_the_rudder_makes_a_turn_without_sideslip() -> None:
+    """Steady turn by hand: with v = p = 0 and r = (g / V) cos(pitch) bank, the yawing moments of turn rate, aileron and rudder cancel."""
+    aircraft = load_aircraft("t37")  # adverse yaw: its aileron yaws as much as its rudder
+    model = linearise(Rig(aircraft, 90.0))
+    gains = place_lateral(model, aircraft.autopilot, LAGS)
+    turn_rate, aileron = 0.1, 0.2
+    rudder = gains.rudder_per_aileron * aileron + gains.rudder_per_turn_rate_s * turn_rate
+    moment = model.a_lat[2, 2] * turn_rate + model.b_lat[2] @ [aileron, rudder]
+    assert moment == pytest.approx(0.0, abs=0.01 * abs(model.b_lat[2, 1] * rudder))
+
+
+@pytest.mark.parametrize(("name", "speed"), [("gtm_t2", 50.0), ("c172p", 50.0), ("t37", 90.0)])
+def test_an_upset_of_the_rudder_leaves_no_sideslip(name: str, speed: float) -> None:
+    """A rudder out of trim by what would hold one radian of sideslip: the integral takes it out."""
+    aircraft = load_aircraft(name)
+    loop = lateral(linearise(Rig(aircraft, speed)), aircraft.autopilot, LAGS, "sideslip")
+    slip = np.abs(loop.step(20.0, 0.02, disturbed=True))
+    assert 0.01 < slip.max() < 1.0
+    assert slip[-1] < 0.01 * slip.max()

@@ -85,7 +85,7 @@ def test_lag_of_a_pure_delay_is_that_delay() -> None:
 def test_guidance_bandwidth_falls_with_the_lag() -> None:
     time_s = np.arange(0.0, 5.0, 0.005)
     steps = [StepResponse(time_s, (time_s >= lag).astype(float)) for lag in (0.1, 0.2, 0.4)]
-    found = [tuning.guidance_bandwidth(step, step) for step in steps]
+    found = [tuning.guidance_bandwidth(step, step, step) for step in steps]
     assert found[0] == pytest.approx(2.0 * found[1], rel=0.06)
     assert found[1] == pytest.approx(2.0 * found[2], rel=0.1)
 

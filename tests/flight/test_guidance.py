@@ -157,10 +157,10 @@ def test_the_path_goes_on_straight_past_both_ends() -> None:
 @pytest.mark.parametrize(
     ("command", "surface", "sign"),
     [
-        (Command(0.3, 1.0, 50, 0, 0), "aileron", 1),
-        (Command(-0.3, 1.0, 50, 0, 0), "aileron", -1),
-        (Command(0.0, 1.5, 50, 0, 0), "elevator", -1),
-        (Command(0.0, 0.5, 50, 0, 0), "elevator", 1),
+        (Command(0.3, 1.0, 50, 0), "aileron", 1),
+        (Command(-0.3, 1.0, 50, 0), "aileron", -1),
+        (Command(0.0, 1.5, 50, 0), "elevator", -1),
+        (Command(0.0, 0.5, 50, 0), "elevator", 1),
     ],
 )
 def test_surfaces_move_the_way_that_jsbsim_understands(command: Command, surface: str, sign: int) -> None:
@@ -170,9 +170,9 @@ def test_surfaces_move_the_way_that_jsbsim_understands(command: Command, surface
 
 def test_throttle_follows_speed_and_climb_and_does_not_wind_up() -> None:
     autopilot = Autopilot(GTM, 0.4, 1 / 60)
-    slow, memory = autopilot.step(Memory(), LEVEL, Command(0, 1, 55, 0, 0))
-    climb, _ = autopilot.step(Memory(), LEVEL, Command(0, 1, 50, 0.1, 0))
+    slow, memory = autopilot.step(Memory(), LEVEL, Command(0, 1, 55, 0))
+    climb, _ = autopilot.step(Memory(), LEVEL, Command(0, 1, 50, 0.1))
     assert slow.throttle > 0.4 < climb.throttle
     assert memory.throttle > 0.0
-    _, memory = autopilot.step(Memory(), LEVEL, Command(0, 1, 90, 0, 0))
+    _, memory = autopilot.step(Memory(), LEVEL, Command(0, 1, 90, 0))
     assert memory.throttle == 0.0

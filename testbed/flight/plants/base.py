@@ -45,13 +45,12 @@ class State(NamedTuple):
 
 
 class Command(NamedTuple):
-    """What guidance asks of any plant. ``s_m`` is where on the active path the aircraft should be taken to be."""
+    """What guidance asks of any plant."""
 
     bank: float
     load_factor: float
     speed: float  # m/s, true airspeed
     sin_climb: float  # of the path as far ahead as the engine lags, for the throttle's feed-forward
-    accel: float  # m/s^2 along the path that the speed schedule asks for
 
 
 class Start(NamedTuple):

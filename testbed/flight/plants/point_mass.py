@@ -52,7 +52,7 @@ class PointMassPlant:
         self._thrust = self._drag(self._speed, load_factor) + math.sin(self._climb)
         self._thrust = max(model.thrust_min, min(model.thrust_max, self._thrust))
         self._wanted = self._thrust  # thrust over weight that is asked for
-        self._command = Command(bank, load_factor, start.speed, math.sin(self._climb), 0.0)
+        self._command = Command(bank, load_factor, start.speed, math.sin(self._climb))
         self._roll_rate = 0.0
         self._meet(wind(0.0, start.pos))
 
@@ -64,7 +64,7 @@ class PointMassPlant:
         self._command = command
         error = command.speed - state.airspeed
         drag = self._drag(self._speed, command.load_factor)
-        self._wanted = drag + command.sin_climb + command.accel / G0_MPS2 + self._model.thrust_per_mps * error
+        self._wanted = drag + command.sin_climb + self._model.thrust_per_mps * error
         return not self._model.thrust_min <= self._wanted <= self._model.thrust_max
 
     def step(self) -> None:

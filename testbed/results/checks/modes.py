@@ -30,9 +30,8 @@ def modes_flown(check: Modes, record: FlightRecord) -> Evidence:
     smooth = _away_from_edges(motion["beta"], hz)
     matrix = np.zeros((4, 4))
     for row, name in enumerate(("beta", "p", "r")):
-        # a rate changes over the next tick by what acts at its start (JSBSim integrates rates so); sideslip about both sides of a tick
-        ahead, behind = (motion[name][2:], motion[name][1:-1]) if name in "pr" else (0.5 * motion[name][2:], 0.5 * motion[name][:-2])
-        slope = hz * (ahead - behind)
+        signal = motion[name]
+        slope = 0.5 * hz * (signal[2:] - signal[:-2]) if name == "beta" else accelerations(signal, hz)[1:]
         matrix[row] = np.linalg.lstsq(known[smooth], slope[smooth], rcond=None)[0][:4]
     matrix[3] = [0.0, 1.0, math.tan(float(column["own.pitch_rad"].mean())), 0.0]
     roots = np.linalg.eigvals(matrix)
@@ -44,6 +43,20 @@ def modes_flown(check: Modes, record: FlightRecord) -> Evidence:
         "dutch_roll_radps": float(abs(pair)) if oscillates else math.nan,
         "dutch_roll_damping": float(-pair.real / abs(pair)) if oscillates else math.nan,
     }
+
+
+def accelerations(rate: Array, hz: int) -> Array:
+    """What made a rate (n,) move, at every tick but the last (n - 1,).
+
+    JSBSim's Adams-Bashforth rule solved for it: over a tick the rate moves by 3/2 of the acceleration at the tick's start less half
+    of the one before.
+    """
+    moved = hz * np.diff(rate)
+    out = np.empty_like(moved)
+    out[0] = moved[0]
+    for k in range(1, len(moved)):
+        out[k] = (2.0 * moved[k] + out[k - 1]) / 3.0
+    return out
 
 
 def lagged(command: Array, hz: int, lag_s: float) -> Array:
