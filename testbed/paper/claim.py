@@ -40,7 +40,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim or printed number. Values are in ``unit`` and of ``aircraft``; NaN where a rung has none."""
+    """One claim or printed number. Values are in ``unit``; NaN where a rung has none. All of them are of ``aircraft`` and ``reading``."""
 
     key: str  # e.g. table2.scoam.deflection, words.single.safe
     where: str  # Table 2, Table 4, Section 5.1, Abstract ...
@@ -59,7 +59,7 @@ class Claim:
     effect: Effect
     robustness_share: float  # share of the robustness draws with the same word; NaN where there are no draws
     robustness_n: int
-    deciding_limit: str  # by ablation: roll, load factor, speed, six degrees of freedom, wind, turbulence, insertion point; empty if none
+    deciding_limit: str  # by ablation: docs/verdict.md names them; empty if none
     why: str  # one sentence for the reader, every number in it generated
 
 

@@ -1,0 +1,35 @@
+"""From rows to the verdict. Pure: the rows go in (the aircraft's limits come from the catalogue), a frozen value comes out."""
+
+from collections.abc import Iterable
+
+from testbed.paper.verdict.ablation import waterfalls
+from testbed.paper.verdict.comparisons import comparisons
+from testbed.paper.verdict.controls import controls
+from testbed.paper.verdict.model import Verdict
+from testbed.paper.verdict.numbers import numbers
+from testbed.paper.verdict.online import online
+from testbed.paper.verdict.promises import promises
+from testbed.paper.verdict.ranking import ranks
+from testbed.paper.verdict.reach import Reach
+from testbed.paper.verdict.select import Flights, Row
+from testbed.paper.verdict.superior import superior
+from testbed.paper.verdict.tables import air_cells, cases, counted
+
+
+def judge(rows: Iterable[Row], reach: Reach | None = None) -> Verdict:
+    """The verdict on the paper's claims. A part that is missing leaves NaN and ``not determined``.
+
+    ``reach``: a bound on the pose of the insertion point, from a re-plan and an aircraft's limits; without one the pose is not tested.
+    """
+    flights = Flights(rows)
+    safe, flyable, several, overload = promises(flights, reach)
+    words = (safe, flyable, several, *comparisons(flights), online(flights, safe), superior(flights), overload)
+    return Verdict(
+        (*words, *numbers(flights)),
+        waterfalls(flights),
+        controls(flights),
+        ranks(flights),
+        cases(flights),
+        air_cells(flights),
+        counted(flights),
+    )
