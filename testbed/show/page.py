@@ -1,21 +1,16 @@
 """The page of a campaign: one HTML file that needs no network, the same bytes for the same rows."""
 
-import base64
-import gzip
-import json
 import math
 from collections.abc import Mapping, Sequence
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from testbed.frames import direction_deg
 from testbed.results.checks import CheckResult
 from testbed.show import answer
 from testbed.show.answer import Row
+from testbed.show.assets import Lead, asset, environment, packed_json, plotly
 from testbed.show.columns import BY_KEY, DECISION_TERMS, METRICS, SUMMARISED, value
 from testbed.show.figures import figure_data
 from testbed.show.histogram import histograms
@@ -23,7 +18,7 @@ from testbed.show.story import level_turn, number, radius_m
 from testbed.spec.model import Campaign
 from testbed.units import DEG
 
-MOST_FLIGHT_ROWS, MOST_DECISION_ROWS = 300, 100
+MOST_FLIGHT_ROWS, MOST_DECISION_ROWS, MOST_CELL_ROWS = 300, 100, 300
 CELLS_FROM = 25  # so many flights are better read by cell
 
 
@@ -33,8 +28,12 @@ def render_page(
     series: Mapping[str, dict[str, Any] | None],
     provenance: dict[str, Any],
     checks: Sequence[CheckResult] = (),
+    lead: Lead | None = None,
 ) -> str:
-    """The whole page. ``rows`` as in rows.jsonl, ``series`` by flight id, ``provenance`` whatever should be said of the run."""
+    """The whole page. ``rows`` as in rows.jsonl, ``series`` by flight id, ``provenance`` whatever should be said of the run.
+
+    With a ``lead`` that comes first, and the ordinary parts are folded up below it.
+    """
     rows = [row | {key: (series.get(row["flight_id"]) or {}).get(key) for key in ("encounter", "geometry")} for row in rows]
     axes, listed_axes = answer.telling_axes(rows), answer.listed_axes(rows)
     matched = answer.pairs(rows)
@@ -42,48 +41,37 @@ def render_page(
     decisions = [_decision(row, event, axes) for row in rows if row["method"] != "none" for event in row["events"]]
     figures = figure_data(rows, series, axes)
     by_cell = answer.cells(rows, axes) if len(rows) >= CELLS_FROM or any(row["replicate"] for row in rows) else []
-    environment = Environment(
-        loader=PackageLoader("testbed.show"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    has_pictures = bool(figures["groups"])
+    return (
+        environment()
+        .get_template("index.html.j2")
+        .render(
+            campaign=campaign,
+            lead=lead,
+            axes=listed_axes,
+            sentences=answer.verdict(checks) + (answer.sentences(rows, matched) if rows else ["No flight was flown."]),
+            cards=answer.cards(rows) if rows else [],
+            checks=[_check(line) for line in checks],
+            pairs=[_pair(pair, axes) for pair in matched],
+            cells=by_cell[:MOST_CELL_ROWS],
+            cells_left_out=max(0, len(by_cell) - MOST_CELL_ROWS),
+            histograms=histograms(by_cell[:MOST_CELL_ROWS]),
+            summarised=[BY_KEY[key] for key in SUMMARISED],
+            metrics=METRICS,
+            flights=[_flight(row, listed_axes) for row in listed[:MOST_FLIGHT_ROWS]],
+            flights_left_out=max(0, len(rows) - MOST_FLIGHT_ROWS),
+            decisions=decisions[:MOST_DECISION_ROWS],
+            decisions_left_out=max(0, len(decisions) - MOST_DECISION_ROWS),
+            terms=DECISION_TERMS,
+            failures=[row for row in rows if row["outcome"] == "crashed"],
+            provenance=_flattened(provenance),
+            has_pictures=has_pictures,
+            css=asset("page.css") + (lead.css if lead else Markup()),
+            script=asset("plot.js") + asset("page.js") + (lead.script if lead else Markup()) + Markup("Plots.run();"),
+            figures=packed_json(figures) if has_pictures else "",
+            plotly=plotly(),
+        )
     )
-    return environment.get_template("index.html.j2").render(
-        campaign=campaign,
-        axes=listed_axes,
-        sentences=answer.verdict(checks) + (answer.sentences(rows, matched) if rows else ["No flight was flown."]),
-        cards=answer.cards(rows) if rows else [],
-        checks=[_check(line) for line in checks],
-        pairs=[_pair(pair, axes) for pair in matched],
-        cells=by_cell,
-        histograms=histograms(by_cell),
-        summarised=[BY_KEY[key] for key in SUMMARISED],
-        metrics=METRICS,
-        flights=[_flight(row, listed_axes) for row in listed[:MOST_FLIGHT_ROWS]],
-        flights_left_out=max(0, len(rows) - MOST_FLIGHT_ROWS),
-        decisions=decisions[:MOST_DECISION_ROWS],
-        decisions_left_out=max(0, len(decisions) - MOST_DECISION_ROWS),
-        terms=DECISION_TERMS,
-        failures=[row for row in rows if row["outcome"] == "crashed"],
-        provenance=_flattened(provenance),
-        has_pictures=bool(figures["groups"]),
-        css=_asset("page.css"),
-        script=_asset("page.js"),
-        figures=_packed(json.dumps(figures, sort_keys=True, allow_nan=False, separators=(",", ":")).encode()),
-        plotly=_plotly(),
-    )
-
-
-def _asset(name: str) -> Markup:
-    """A style sheet or script of ours, which may stand in the page as it is."""
-    return Markup(files("testbed.show").joinpath("templates", name).read_text(encoding="utf-8"))
-
-
-def _packed(data: bytes) -> str:
-    """Compressed, as text without any character that means something in HTML; no time stamp inside."""
-    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")
-
-
-@cache
-def _plotly() -> str:
-    return _packed(files("plotly").joinpath("package_data", "plotly.min.js").read_bytes())
 
 
 def _worst_first(rows: Sequence[Row]) -> list[Row]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from testbed.results.metrics import demanded_roll_rate
 from testbed.show.story import path_points, who
 from testbed.types import FlightRecord, PlannedPath
 from testbed.units import DEG
@@ -26,13 +27,15 @@ CURVES = (
     ("airspeed_mps", "own.airspeed_mps", 1.0, 2),
     ("load_factor", "own.load_factor", 1.0, 3),
 )
+ROLL_RATE = "roll_rate_dps"  # of the body; of a point, what its path demands
 
 
 def flight_series(record: FlightRecord) -> Series:
     """What the page needs of one flight, as JSON-able values; NaN becomes ``None``."""
     time_s = record.columns["time_s"]
     clearance = _clearance(record)
-    rows = _chosen_rows(record, clearance)
+    roll_rate = _roll_rate(record)
+    rows = _chosen_rows(record, clearance, roll_rate)
     return {
         "who": who(record),
         "method": record.plan.method.kind,
@@ -42,6 +45,7 @@ def flight_series(record: FlightRecord) -> Series:
         **_places(record.columns["own.pos_enu_m"][rows]),
         "clearance_m": rounded(clearance[rows], 3) if record.plan.obstacles else [],
         **{name: rounded(record.columns[column][rows] * factor, digits) for name, column, factor, digits in CURVES},
+        ROLL_RATE: rounded(roll_rate[rows] / DEG, 1),
         "paths": [_path(path) for path in record.paths],
         "obstacles": _obstacles(record) if len(time_s) else [],
         "decisions": [
@@ -77,7 +81,12 @@ def _clearance(record: FlightRecord) -> Array:
     return np.min(each, axis=0) if each else np.full(len(record.columns["time_s"]), math.nan)
 
 
-def _chosen_rows(record: FlightRecord, clearance: Array) -> Array:
+def _roll_rate(record: FlightRecord) -> Array:
+    rate = record.columns["own.rates_body_radps"][:, 0]
+    return demanded_roll_rate(record) if np.isnan(rate).all() else rate
+
+
+def _chosen_rows(record: FlightRecord, clearance: Array, roll_rate: Array) -> Array:
     """Evenly spaced rows, with both ends, the extremes of every curve and the decisions among them."""
     n = len(record.columns["time_s"])
     if n <= MOST_SAMPLES:
@@ -85,7 +94,7 @@ def _chosen_rows(record: FlightRecord, clearance: Array) -> Array:
     kept = {0, n - 1}
     curves = [record.columns[column] for _, column, _, _ in CURVES]
     curves += [record.columns[f"obstacle.{spec.name}.clearance_m"] for spec in record.plan.obstacles[:MOST_EVENTS]]
-    for curve in (clearance, *curves):
+    for curve in (clearance, roll_rate, *curves):
         if np.isfinite(curve).any():
             kept |= {int(np.nanargmin(curve)), int(np.nanargmax(curve))}
     kept |= {int(np.argmin(np.abs(record.columns["time_s"] - event.time_s))) for event in record.events[:MOST_EVENTS]}

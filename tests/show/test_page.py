@@ -191,6 +191,14 @@ def test_hundreds_of_flights_stay_readable_and_small(four: tuple[list[Row], dict
     assert "300 more are in" in text
 
 
+def test_of_very_many_cells_some_are_listed_and_the_rest_is_counted(four: tuple[list[Row], dict[str, Any]]) -> None:
+    many = [four[0][1] | {"flight_id": f"c{k}", "cell": f"cell {k}", "labels": {"gust": str(k)}} for k in range(1000)]
+    page = render_page(campaign(), many, {}, PROVENANCE)
+    cells = page.split('<section id="cells">', 1)[1].split("</section>", 1)[0]
+    assert cells.count("<tr>") == 1 + 300  # with the heading
+    assert "700 more cells are in" in cells
+
+
 def test_flights_that_failed_or_never_began_are_listed(four: tuple[list[Row], dict[str, Any]]) -> None:
     rows, series = four
     empty = {key: math.nan for key, value in rows[0].items() if isinstance(value, float)}

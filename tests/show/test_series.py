@@ -59,3 +59,16 @@ def test_a_flight_without_rows(make_record: MakeRecord) -> None:
     record = make_record()
     series = flight_series(replace(record, columns={name: column[:0] for name, column in record.columns.items()}, events=()))
     assert series["time_s"] == series["obstacles"] == []
+
+
+def test_roll_rate_of_the_body_or_else_of_the_path(make_record: MakeRecord) -> None:
+    flown, point = make_record(plant={"kind": "jsbsim"}), make_record()
+    n = len(flown.columns["time_s"])
+    rates = np.zeros((n, 3))
+    rates[n // 3 + 1, 0] = math.radians(-80.0)  # one row: kept, as an extreme
+    series = flight_series(replace(flown, columns=dict(flown.columns) | {"own.rates_body_radps": rates}))
+    assert min(series["roll_rate_dps"]) == -80.0
+    rolling = {"own.bank_rad": np.radians(12.0 * point.columns["time_s"]), "own.rates_body_radps": np.full((n, 3), math.nan)}
+    demanded = flight_series(replace(point, columns=dict(point.columns) | rolling))["roll_rate_dps"]
+    assert {rate for rate in demanded if rate is not None} == {12.0}
+    assert None in demanded  # where the path changes its bank jumps

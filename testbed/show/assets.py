@@ -1,0 +1,50 @@
+"""What the pages are made of: templates, style sheets and scripts that may stand in a page as they are, and packed data."""
+
+import base64
+import gzip
+import json
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+
+@dataclass(frozen=True)
+class Lead:
+    """A part that stands on top of a campaign's page, above its ordinary parts."""
+
+    html: Markup
+    css: Markup
+    script: Markup
+    nav: tuple[tuple[str, str], ...]  # id of a section, its name
+
+
+def environment() -> Environment:
+    """Templates of this package: everything is escaped, a name that is missing is an error."""
+    return Environment(
+        loader=PackageLoader("testbed.show"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+
+
+def asset(name: str) -> Markup:
+    """A style sheet or script of ours, which may stand in the page as it is."""
+    return Markup(files("testbed.show").joinpath("templates", name).read_text(encoding="utf-8"))
+
+
+def packed_json(data: Any) -> str:
+    """Data for a script: the same text for the same data."""
+    return packed(json.dumps(data, sort_keys=True, allow_nan=False, separators=(",", ":")).encode())
+
+
+def packed(data: bytes) -> str:
+    """Compressed, as text without any character that means something in HTML; no time stamp inside."""
+    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")
+
+
+@cache
+def plotly() -> str:
+    """The plot library, packed."""
+    return packed(files("plotly").joinpath("package_data", "plotly.min.js").read_bytes())
