@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --no-input
 STAMP := $(VENV)/.installed
-CHECKED := testbed vosc tests
+CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
 .PHONY: help paper test fast bench report lock clean

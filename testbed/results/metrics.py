@@ -7,6 +7,7 @@ import numpy as np
 
 from testbed.flight.air import make_wind
 from testbed.flight.aircraft import load_aircraft
+from testbed.flight.fly import GOAL_GATE_M
 from testbed.flight.guidance import BANK_LIMITED, LIFT_LIMITED
 from testbed.flight.schedule import arc_lengths, planned_time
 from testbed.flight.traffic import least_clearance
@@ -112,12 +113,14 @@ def goal_crossing(record: FlightRecord) -> tuple[int, float]:
         return last, 0.0
     curve = record.paths[-1].curves[-1]
     goal, tangent, _ = curve.frame(curve.length_m)
-    recent = max(0, last - record.plan.rates.plant_hz // record.plan.rates.guidance_hz)  # the end is looked for at the guidance rate
-    beyond = (pos[recent:] - goal) @ np.asarray(tangent)
-    crossed = np.flatnonzero(beyond > -AT_GOAL_M)
-    if not len(crossed) or not (k := int(crossed[0])):
+    beyond = (pos - goal) @ np.asarray(tangent)
+    # the last crossing, which may lie some time back: a flight that passes the goal aside ends when it comes within the gate
+    before = np.flatnonzero(beyond <= -AT_GOAL_M)
+    ended_here = beyond[-1] >= -AT_GOAL_M and math.dist(pos[-1], goal) <= GOAL_GATE_M
+    if not ended_here or not len(before):
         return last, 0.0
-    return recent + k - 1, float(np.clip(-beyond[k - 1] / (beyond[k] - beyond[k - 1]), 0.0, 1.0))
+    k = int(before[-1])
+    return k, float(np.clip(-beyond[k] / (beyond[k + 1] - beyond[k]), 0.0, 1.0))
 
 
 def flown_length(record: FlightRecord, end: int, share: float) -> float:

@@ -10,7 +10,10 @@ from pathlib import Path
 from typing import Any
 
 LOCK = ".lock"
-OURS = ("campaign.yaml", "plan.json", "rows.jsonl", "results.csv", "results.parquet", "timings.csv", "checks.csv", "index.html")
+OURS = (
+    *("campaign.yaml", "plan.json", "rows.jsonl", "timings.csv"),
+    *("results.csv", "results.parquet", "checks.csv", "verdict.csv", "index.html"),
+)
 MANIFEST = "manifest.json"
 
 
@@ -30,6 +33,10 @@ class RunDirectory:
     @property
     def recordings(self) -> Path:
         return self.path / "recordings"
+
+    @property
+    def columns(self) -> Path:
+        return self.path / "columns"
 
     @property
     def is_run(self) -> bool:
@@ -70,8 +77,8 @@ class RunDirectory:
 
     def clear(self) -> None:
         """Remove a former run, and nothing else."""
-        for recording in self.recordings.glob("*.rrd*"):
-            recording.unlink()
+        for kept in (*self.recordings.glob("*.rrd*"), *self.columns.glob("*.parquet*")):
+            kept.unlink()
         for name in (*OURS, MANIFEST):
             (self / name).unlink(missing_ok=True)
 

@@ -22,6 +22,7 @@ class Job:
     recording_path: Path | None = None  # absolute: workers need not share the driver's current folder
     want_series: bool = False
     check: Check | None = None
+    columns_path: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,11 @@ def _run(job: Job) -> JobResult:
         path.parent.mkdir(parents=True, exist_ok=True)
         _timed(timings, "record", lambda: write_recording(record, metrics, path))
         recording = f"{path.parent.name}/{path.name}"
+    if job.columns_path is not None:
+        from testbed.results.raw import write_columns
+
+        raw = job.columns_path
+        _timed(timings, "columns", lambda: write_columns(record, raw))
     row = _identity(job.plan) | asdict(metrics) | _story([asdict(event) for event in record.events], record.message, "", recording)
     if job.check is not None:
         from testbed.results.checks import evidence

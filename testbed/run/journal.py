@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from testbed.frames import Vec3
+from testbed.results.plain import plain
 from testbed.run.job import JobResult, Row
 from testbed.types import FlightMetrics, ReplanEvent
 
@@ -82,7 +83,7 @@ def _lines(path: Path) -> Iterator[tuple[bytes, JobResult]]:
 def encode(result: JobResult) -> bytes:
     """One line of the journal."""
     line = {"row": result.row, "series": result.series, "timings": result.timings}
-    return json.dumps(_plain(line), allow_nan=False, separators=(",", ":")).encode() + b"\n"
+    return json.dumps(plain(line), allow_nan=False, separators=(",", ":")).encode() + b"\n"
 
 
 def decode(line: bytes) -> JobResult:
@@ -95,19 +96,6 @@ def decode(line: bytes) -> JobResult:
     if row.get("evidence") is not None:
         row["evidence"] = {name: _numbers(value) for name, value in row["evidence"].items()}
     return JobResult(row, data["series"], data["timings"])
-
-
-def _plain(value: Any) -> Any:
-    """JSON's own types; arrays and numpy's numbers included."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None if math.isnan(value) else str(value)
-    return value
 
 
 def _restore(target: dict[str, Any], kind: type[FlightMetrics] | type[ReplanEvent]) -> None:

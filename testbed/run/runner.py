@@ -1,7 +1,5 @@
 """A campaign from file to run directory: continue what is there, fly what is missing, write down what came out."""
 
-import csv
-import io
 import json
 import shlex
 from collections import Counter
@@ -9,17 +7,15 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from itertools import islice, zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from testbed.run import identity, journal, manifest
+from testbed.run import identity, journal, keep, manifest
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
 from testbed.run.engines import Died, Engine, LocalEngine
 from testbed.run.job import Job, JobResult, Row, crashed, run_job
 from testbed.run.manifest import Manifest
-from testbed.spec.blocks import resolved_parts
-from testbed.spec.grid import PART
+from testbed.run.write import write_results
 from testbed.spec.model import Campaign, FlightPlan
 from testbed.types import FlightMetrics, Outcome
 
@@ -27,9 +23,6 @@ if TYPE_CHECKING:
     from testbed.results.checks import CheckResult
 
 RUNS = Path("reports/runs")
-
-SERIES = 64
-"""Flights whose time series are kept for the page: first replicates in plan order, one of each part in turn."""
 
 Progress = Callable[[int, int, int], None]
 """Called with: flights done, flights in all, flights crashed."""
@@ -87,7 +80,7 @@ def run(order: Order) -> Summary:
         directory.put("campaign.yaml", _note_overrides(order) + text)
         directory.put("plan.json", identity.canonical(plan))
         flown = _fly(directory, order, campaign, plans, about)
-        return _write_results(directory, flown)
+        return _written(directory, flown)
 
 
 def _open(directory: RunDirectory, order: Order, campaign: Campaign, plan: dict[str, Any]) -> Manifest:
@@ -108,7 +101,7 @@ def _note_overrides(order: Order) -> bytes:
 def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Sequence[FlightPlan], about: Manifest) -> int:
     """Fly the plans that have no row yet, and again those that crashed: memory or disk may have been short."""
     done = {flight_id for flight_id, result in _rows(directory).items() if result.row["outcome"] != Outcome.CRASHED.value}
-    jobs = [job for job in _jobs(directory, campaign, plans) if job.plan.flight_id not in done]
+    jobs = [job for job in keep.jobs(directory, campaign, plans) if job.plan.flight_id not in done]
     if not jobs:
         return 0
     how = {"command": shlex.join(order.command), "engine": order.engine.name, "workers": order.engine.workers}
@@ -132,92 +125,20 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Seque
     return len(jobs)
 
 
-def _jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan]) -> list[Job]:
-    """What to keep of each flight. It depends on the whole plan, not on what is left to fly."""
-    parts = resolved_parts(campaign)
-    recorded = {plan.flight_id for plan in plans if _is_recorded(plan, parts[_part(campaign, plan)].recordings)}
-    with_series = _series_kept(campaign, plans)
-    folder = directory.recordings.resolve()
-    return [
-        Job(
-            plan,
-            folder / f"{plan.flight_id}.rrd" if plan.flight_id in recorded else None,
-            plan.flight_id in with_series,
-            campaign.check,
-        )
-        for plan in plans
-    ]
-
-
-def _part(campaign: Campaign, plan: FlightPlan) -> str:
-    """The part that a flight belongs to; without parts an empty name."""
-    return plan.labels[PART] if campaign.parts else ""
-
-
-def _is_recorded(plan: FlightPlan, recordings: str | None) -> bool:
-    return recordings == "all" or (recordings == "selected" and plan.replicate == 0)
-
-
-def _series_kept(campaign: Campaign, plans: Sequence[FlightPlan]) -> set[str]:
-    """No part goes without because one before it has many cells."""
-    turns: dict[str, list[str]] = {}
-    for plan in plans:
-        if plan.replicate == 0:
-            turns.setdefault(_part(campaign, plan), []).append(plan.flight_id)
-    in_turn = (flight_id for turn in zip_longest(*turns.values()) for flight_id in turn if flight_id is not None)
-    return set(islice(in_turn, SERIES))
-
-
 def report(path: Path) -> Summary:
     """Write the results of a run directory again from its rows, without flying."""
     directory = _existing(path)
     with directory.locked():
-        return _write_results(directory)
+        return _written(directory)
 
 
-def _write_results(directory: RunDirectory, flown: int = 0) -> Summary:
-    """Tables and page, in plan order, of the rows there are."""
-    from testbed.results import tables
-    from testbed.show.page import render_page
-
+def _written(directory: RunDirectory, flown: int = 0) -> Summary:
+    """Write the results, and say what there is."""
     about, (campaign, plans) = manifest.load(directory), _plan(directory)
     by_id = _rows(directory)
-    results = [by_id[plan.flight_id] for plan in plans if plan.flight_id in by_id]
-    rows = [result.row for result in results]
-    table = tables.table(rows)
-    directory.put("results.csv", tables.csv_bytes(table))
-    directory.put("results.parquet", tables.parquet_bytes(table))
-    directory.put("timings.csv", _timings(results))
-    series = {result.row["flight_id"]: result.series for result in results if result.series is not None}
-    checks = _judge(directory, campaign, plans, by_id)
-    page = render_page(campaign, rows, series, manifest.provenance(about, len(plans), len(rows)), checks)
-    directory.put("index.html", page.encode())
-    outcomes = dict(Counter(row["outcome"] for row in rows))
+    checks = write_results(directory, about, campaign, plans, by_id)
+    outcomes = dict(Counter(by_id[plan.flight_id].row["outcome"] for plan in plans if plan.flight_id in by_id))
     return Summary(directory.path, len(plans), outcomes, flown, about["identity"]["code"] == manifest.MIXED, checks)
-
-
-def _judge(
-    directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan], by_id: dict[str, JobResult]
-) -> "tuple[CheckResult, ...]":
-    """The lines of the campaign's check, also written to ``checks.csv``; none if it has no check."""
-    if campaign.check is None:
-        return ()
-    from testbed.results import checks
-
-    flights = [checks.Flown(plan, by_id[plan.flight_id].row) for plan in plans if plan.flight_id in by_id]
-    lines = checks.judge(campaign.check, flights, len(plans))
-    directory.put("checks.csv", checks.csv_bytes(campaign.check.kind, lines))
-    return lines
-
-
-def _timings(results: Sequence[JobResult]) -> bytes:
-    stages = list(dict.fromkeys(stage for result in results for stage in result.timings))
-    out = io.StringIO(newline="")
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(["flight_id", *(f"{stage}_s" for stage in stages)])
-    for result in results:
-        writer.writerow([result.row["flight_id"], *(f"{result.timings[s]:.6f}" if s in result.timings else "" for s in stages)])
-    return out.getvalue().encode()
 
 
 @dataclass(frozen=True)

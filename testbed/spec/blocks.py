@@ -75,13 +75,14 @@ class Block:
 def resolved_parts(campaign: Campaign) -> dict[str, Part]:
     """The parts with what they leave to the campaign filled in; without parts the campaign's own grid, under an empty name."""
     if not campaign.parts:
-        own: dict[str, Any] = {name: getattr(campaign, name) for name in (*Grid.model_fields, "replicates", "recordings")}
+        own: dict[str, Any] = {name: getattr(campaign, name) for name in (*Grid.model_fields, "replicates", "recordings", "columns")}
         return {"": Part.model_construct(**own)}
     return {
         name: part.model_copy(
             update={
                 "replicates": part.replicates or campaign.replicates,
                 "recordings": part.recordings or campaign.recordings,
+                "columns": part.columns or campaign.columns,
                 "draw": {**campaign.draw, **part.draw},
                 "encounters": part.encounters or campaign.encounters,
             }

@@ -95,3 +95,5 @@ class Part(Grid):
     """Flights per cell; empty: as the campaign says."""
     recordings: Kept | None = None
     """Which flights leave a .rrd recording; empty: as the campaign says."""
+    columns: Kept | None = None
+    """Which flights leave their raw columns; empty: as the campaign says."""

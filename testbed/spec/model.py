@@ -275,8 +275,12 @@ class Campaign(Grid, FlightSettings):
     """Flights per cell of the sweep, each with its own random streams."""
     recordings: Kept = "selected"
     """Which flights leave a .rrd recording; selected: the first replicate of each cell."""
+    columns: Kept = "none"
+    """Which flights leave their raw columns, from which reports/verify.py computes the results again."""
     check: Check | None = None
     """For a campaign that checks the testbed: how it is judged."""
+    verdict: Literal["paper"] | None = None
+    """paper: what becomes of the paper's claims leads the page, and verdict.csv is written (docs/verdict.md)."""
     parts: dict[Name, Part] = {}  # noqa: RUF012 (pydantic copies it)
     """Instead of a sweep: named parts, flown one after the other. The name is the first label of a part's cells."""
 

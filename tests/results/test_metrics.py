@@ -34,6 +34,15 @@ def test_a_flight_past_the_goal_is_cut_at_its_plane(record: FlightRecord) -> Non
     assert end == len(moved.columns["time_s"]) - 2
 
 
+def test_a_flight_that_comes_within_the_gate_behind_the_goals_plane_is_cut_at_the_plane(record: FlightRecord) -> None:
+    """It crosses the plane 25 m aside and ends 12 m further on, where it is 20 m from the goal."""
+    t = record.columns["time_s"]
+    pos = np.column_stack([12.0 + 50.0 * t, np.full_like(t, 16.0), np.zeros_like(t)])
+    pos[pos[:, 0] < 611.0, 1] = 25.0
+    end, share = goal_crossing(changed(record, **{"own.pos_enu_m": pos}))
+    assert 12.0 + 50.0 * (end + share) / record.plan.rates.plant_hz == pytest.approx(600.0, abs=1e-9)
+
+
 def test_schedule_error_is_positive_when_late(record: FlightRecord) -> None:
     pos = record.columns["own.pos_enu_m"].copy()
     pos[:, 0] = 0.98 * pos[:, 0] + 12.0  # from 12 m on at 49 m/s: at the goal after 600 m where 588 m were planned

@@ -100,6 +100,9 @@ def fly(job):
     if job.recording_path:
         job.recording_path.parent.mkdir(exist_ok=True)
         job.recording_path.write_text("a recording")
+    if job.columns_path:
+        job.columns_path.parent.mkdir(exist_ok=True)
+        job.columns_path.write_text("raw columns")
     row = metrics_row(job.plan.flight_id) | {
         "cell": job.plan.cell,
         "labels": job.plan.labels,
@@ -124,9 +127,9 @@ def fly_badly(job):
     return fly(job)
 
 
-def page(campaign, rows, series, provenance, checks):
+def page(campaign, rows, series, provenance, checks, lead):
     """A page that shows all it is given."""
-    return json.dumps([campaign.name, rows, series, provenance, [str(line) for line in checks]], sort_keys=True)
+    return json.dumps([campaign.name, rows, series, provenance, [str(line) for line in checks], lead], sort_keys=True)
 
 
 def deaf_to_ctrl_c(_):

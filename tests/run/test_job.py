@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from testbed.results.plain import plain
 from testbed.run import journal
 from testbed.run.job import Job, run_job
 from testbed.spec import expand, load_campaign
@@ -34,7 +35,7 @@ def test_a_row_holds_who_flew_what_came_out_and_what_was_decided(plan):
 
 def test_the_same_plan_is_the_same_row_and_series(plan):
     first, second = (run_job(Job(plan, want_series=True)) for _ in range(2))
-    texts = [json.dumps(journal._plain([result.row, result.series])) for result in (first, second)]
+    texts = [json.dumps(plain([result.row, result.series])) for result in (first, second)]
     assert texts[0] == texts[1]
     assert first.series
 
@@ -44,6 +45,13 @@ def test_a_recording_is_written_beside_the_row(plan, monkeypatch, tmp_path):
     row = run_job(Job(plan, tmp_path / "recordings" / "x.rrd")).row
     assert row["recording"] == "recordings/x.rrd"
     assert (tmp_path / "recordings" / "x.rrd").read_text() == row["outcome"]
+
+
+def test_raw_columns_are_written_before_the_row_is_given_back(plan, tmp_path):
+    path = tmp_path / "columns" / "x.parquet"
+    result = run_job(Job(plan, columns_path=path))
+    assert path.read_bytes()[:4] == b"PAR1"
+    assert "columns" in result.timings
 
 
 @pytest.mark.parametrize("stage", ["testbed.flight.fly.fly", "testbed.results.metrics.measure", "testbed.show.series.flight_series"])

@@ -316,6 +316,16 @@ def test_recordings_are_kept_as_asked(tmp_path, kept, count):
         assert {row["replicate"] for row in rows if row["recording"]} == {0}
 
 
+@pytest.mark.parametrize(("kept", "replicates"), [("all", {0, 1, 2, 3}), ("selected", {0}), ("none", set())])
+def test_raw_columns_are_kept_as_asked_and_cleared_with_the_run(tmp_path, kept, replicates):
+    directory = fly(tmp_path, overrides=(f"columns={kept}",)).directory
+    flights = json.loads((directory / "plan.json").read_text())["flights"]
+    expected = {f"{flight['flight_id']}.parquet" for flight in flights if flight["replicate"] in replicates}
+    assert {path.name for path in (directory / "columns").glob("*")} == expected
+    fly(tmp_path, overrides=("columns=none",), fresh=True)
+    assert not list((directory / "columns").glob("*"))
+
+
 def test_series_are_kept_for_the_first_cells_only_however_the_run_is_cut(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "SERIES", 1)
     with pytest.raises(KeyboardInterrupt):

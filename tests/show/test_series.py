@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from testbed import fly
 from testbed.show.series import MOST_SAMPLES, flight_series
 from testbed.types import FlightRecord
+from tests.plans import paper_obstacle, plan
 
 MakeRecord = Callable[..., FlightRecord]
 
@@ -25,6 +27,11 @@ def test_few_samples_with_every_extreme(make_record: MakeRecord) -> None:
     assert max(series["cross_track_m"]) == round(float(record.columns["path.cross_track_m"].max()), 3)
     assert max(series["load_factor"]) == round(float(record.columns["own.load_factor"].max()), 3)
     assert 3.0 in series["time_s"]  # the decision
+
+
+def test_a_flight_that_never_began_has_no_samples() -> None:
+    series = flight_series(fly(plan(obstacles=[paper_obstacle()], begin={"at_route_s_m": 1e5}, plant={"kind": "kinematic"})))
+    assert (series["time_s"], series["clearance_m"], series["obstacles"]) == ([], [], [])
 
 
 def test_json_of_the_same_bytes(make_record: MakeRecord) -> None:

@@ -29,6 +29,12 @@ def label(row: Row, name: str) -> str:
     return str(row.get("labels", {}).get(name, ""))
 
 
+def part_of(row: Row) -> str:
+    """The part of the campaign; the draws of several encounters are parts of their own, and together one."""
+    part = label(row, "part")
+    return "robustness" if part.startswith("robustness_") else part
+
+
 def number(row: Row | None, name: str) -> float:
     """A metric as a float, NaN where the row or the metric is missing."""
     value = None if row is None else row.get(name)
@@ -74,7 +80,7 @@ class Flights:
         self._idle: dict[tuple[str, ...], Row] = {}
         for row in self.all:
             if flew(row):
-                self._found[(label(row, "part"), label(row, "method"), label(row, "rung"))].append(row)
+                self._found[(part_of(row), label(row, "method"), label(row, "rung"))].append(row)
                 if label(row, "method") == "none":
                     self._idle[_place(row)] = row
 

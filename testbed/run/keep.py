@@ -1,0 +1,57 @@
+"""What a run keeps of each flight: recordings, raw columns, curves for the page. It follows from the whole plan alone."""
+
+from collections.abc import Iterator, Sequence
+from itertools import chain, islice, zip_longest
+
+from testbed.run.directory import RunDirectory
+from testbed.run.job import Job
+from testbed.spec.blocks import resolved_parts
+from testbed.spec.grid import PART
+from testbed.spec.model import Campaign, FlightPlan
+
+SERIES = 64
+"""Flights whose time series are kept for the page: first replicates in plan order, one of each part in turn."""
+
+
+def jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan]) -> list[Job]:
+    """One job a plan, in plan order."""
+    parts = resolved_parts(campaign)
+    with_series = _series_kept(campaign, plans)
+    recordings, columns = directory.recordings.resolve(), directory.columns.resolve()
+    return [
+        Job(
+            plan,
+            recordings / f"{plan.flight_id}.rrd" if _is_kept(plan, parts[_part(campaign, plan)].recordings) else None,
+            plan.flight_id in with_series,
+            campaign.check,
+            columns / f"{plan.flight_id}.parquet" if _is_kept(plan, parts[_part(campaign, plan)].columns) else None,
+        )
+        for plan in plans
+    ]
+
+
+def _part(campaign: Campaign, plan: FlightPlan) -> str:
+    """The part that a flight belongs to; without parts an empty name."""
+    return plan.labels[PART] if campaign.parts else ""
+
+
+def _is_kept(plan: FlightPlan, kept: str | None) -> bool:
+    return kept == "all" or (kept == "selected" and plan.replicate == 0)
+
+
+def _series_kept(campaign: Campaign, plans: Sequence[FlightPlan]) -> set[str]:
+    """The flights that a verdict draws, and then fairly: no part goes without because one before it has many cells."""
+    drawn: list[str] = []
+    if campaign.verdict is not None:
+        from testbed.show.verdict.pictures import shown
+
+        drawn = [plan.flight_id for plan in plans if shown(plan.labels, plan.replicate) is not None]
+    return set(islice(chain(drawn, _in_turn(campaign, plans)), max(SERIES, len(drawn))))
+
+
+def _in_turn(campaign: Campaign, plans: Sequence[FlightPlan]) -> Iterator[str]:
+    turns: dict[str, list[str]] = {}
+    for plan in plans:
+        if plan.replicate == 0:
+            turns.setdefault(_part(campaign, plan), []).append(plan.flight_id)
+    return (flight_id for turn in zip_longest(*turns.values()) for flight_id in turn if flight_id is not None)
