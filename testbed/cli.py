@@ -200,9 +200,9 @@ def replay(
 ) -> None:
     """Fly one flight of a run again, record it, and compare it with its row."""
     with _bad_input():
-        from testbed.run import runner
+        from testbed.run.replay import replay as fly_again
 
-        again = runner.replay(directory, flight_id, out)
+        again = fly_again(directory, flight_id, out)
     if again.differences:
         why = "" if again.same_code else " (code or package versions are not those of the run)"
         lines = "".join(f"\n  {line}" for line in again.differences)

@@ -24,6 +24,7 @@ class Outcome(Enum):
     NO_PATH = "no_path"  # no path could be planned from the present state
     TIMED_OUT = "timed_out"  # three times the planned time
     REACHED = "reached"  # crossed the goal's plane within 20 m
+    STOPPED = "stopped"  # whoever had it flown had seen enough
 
 
 @dataclass(frozen=True)

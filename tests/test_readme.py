@@ -20,7 +20,7 @@ def test_its_python_runs(block: str, monkeypatch: pytest.MonkeyPatch, capsys: py
 
 def test_its_commands_exist() -> None:
     named = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
-    asked = set(re.findall(r"^testbed (\w+)", README, re.M))
+    asked = set(re.findall(r"^testbed ([\w-]+)", README, re.M))
     assert asked <= named
     assert {"run", "validate", "report", "replay", "bench", "audit"} <= asked
 

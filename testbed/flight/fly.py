@@ -8,6 +8,7 @@ plant it has. Time is an integer tick.
 
 import math
 import struct
+from collections.abc import Callable
 from time import perf_counter
 
 from testbed.flight.aircraft import idealised, load_aircraft
@@ -27,9 +28,14 @@ GOAL_GATE_M = 20.0  # reached = crossing the goal's plane within this distance
 NEAR_GOAL_M = 200.0  # the goal's plane counts only on the last of the path
 HIGHEST_M = 1e5  # a state above this has diverged
 
+Until = Callable[[float, State, ActivePath, float], bool]  # time (s), state, active path, arc length on it (m) -> enough?
 
-def fly(plan: FlightPlan) -> FlightRecord:
-    """Fly one plan. What happens to the aircraft is an outcome in the record, never an exception."""
+
+def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None) -> FlightRecord:
+    """Fly one plan. What happens to the aircraft is an outcome in the record, never an exception.
+
+    ``until`` may end the flight before its goal, with the outcome ``stopped``; it is asked at the guidance rate.
+    """
     began = perf_counter()
     try:
         scene = make_scene(plan)
@@ -46,13 +52,20 @@ def fly(plan: FlightPlan) -> FlightRecord:
     law = GUIDANCE[plan.guidance.kind](plan, aircraft)
     ready = perf_counter()
     planner = Planner(plan, scene)
-    outcome, message = _loop(plan, scene, path, planner, plant, law, log)
+    outcome, message = _loop(plan, scene, path, planner, plant, law, log, until(scene) if until else None)
     flown = perf_counter()
     return finish(log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": flown - ready, "answer_s": planner.slowest_s}, plant)
 
 
 def _loop(
-    plan: FlightPlan, scene: Scene, path: ActivePath, planner: Planner, plant: Plant, law: Law, log: FlightLog
+    plan: FlightPlan,
+    scene: Scene,
+    path: ActivePath,
+    planner: Planner,
+    plant: Plant,
+    law: Law,
+    log: FlightLog,
+    until: Until | None,
 ) -> tuple[Outcome, str]:
     """The block diagram."""
     hz, ticks_per_command = plan.rates.plant_hz, range(plan.rates.plant_hz // plan.rates.guidance_hz)
@@ -68,6 +81,8 @@ def _loop(
         state = plant.state(sample)
         if ended.check(tick, state, path.length_m - memory.s_m):
             return ended.outcome, ended.message
+        if until is not None and until(tick / hz, state, path, memory.s_m):
+            return Outcome.STOPPED, "stopped before the goal"
         if tick % planner_every == 0:
             planned, new_path, event = planner.step(planned, tick / hz, state, path, memory.s_m)
             if event is not None:

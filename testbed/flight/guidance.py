@@ -73,14 +73,17 @@ class BankToTurn:
         bank = -most if raw_bank < -most else most if raw_bank > most else raw_bank
         # the lift that serves the demand at the bank the aircraft has, not at the one it was told
         raw_n = (up * math.cos(state.bank) - soon * math.sin(state.bank)) / G0_MPS2
-        airspeed = state.airspeed
+        n_max = self.most_load_factor(state.airspeed)
+        load_factor = self._n_min if raw_n < self._n_min else n_max if raw_n > n_max else raw_n
+        return bank, load_factor, (BANK_LIMITED if bank != raw_bank else 0.0) + (LIFT_LIMITED if load_factor != raw_n else 0.0)
+
+    def most_load_factor(self, airspeed: float) -> float:
+        """What may be asked for at an airspeed (m/s): the structural limit, or less where there is less lift."""
         available = self._n_per_speed2 * airspeed * airspeed
         n_max = available if available < self._n_max else self._n_max
         # speed before height: what flies as slowly as it may does not climb, and slower than that it unloads
-        if (unloaded := 1.0 - UNLOAD + self._per_slowest * airspeed) < n_max:
-            n_max = unloaded
-        load_factor = self._n_min if raw_n < self._n_min else n_max if raw_n > n_max else raw_n
-        return bank, load_factor, (BANK_LIMITED if bank != raw_bank else 0.0) + (LIFT_LIMITED if load_factor != raw_n else 0.0)
+        unloaded = 1.0 - UNLOAD + self._per_slowest * airspeed
+        return unloaded if unloaded < n_max else n_max
 
 
 class SpeedHold(NamedTuple):

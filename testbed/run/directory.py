@@ -12,7 +12,7 @@ from typing import Any
 LOCK = ".lock"
 OURS = (
     *("campaign.yaml", "plan.json", "rows.jsonl", "timings.csv"),
-    *("results.csv", "results.parquet", "checks.csv", "verdict.csv", "index.html"),
+    *("results.csv", "results.parquet", "checks.csv", "verdict.csv", "lead_time.csv", "index.html"),
 )
 MANIFEST = "manifest.json"
 

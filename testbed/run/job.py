@@ -1,5 +1,6 @@
 """One flight of a campaign from plan to row: fly, measure, record. A bug becomes a row too."""
 
+import math
 import time
 import traceback
 from collections.abc import Callable
@@ -49,7 +50,19 @@ def crashed(job: Job, message: str, details: str) -> JobResult:
     return JobResult(_identity(job.plan) | metrics | _story([], message, details, None), None, {})
 
 
+def _search(plan: FlightPlan) -> JobResult:
+    """A search for the least lead: its row has ``lead`` in the place of the metrics of a flight."""
+    from testbed.lead.search import search
+
+    timings: dict[str, float] = {}
+    found = _timed(timings, "search", lambda: search(plan))
+    outcome = "found" if math.isfinite(found.lead_s) else "not_found"
+    return JobResult(_identity(plan) | {"outcome": outcome, "lead": asdict(found)} | _story([], "", "", None), None, timings)
+
+
 def _run(job: Job) -> JobResult:
+    if job.plan.lead_time is not None:
+        return _search(job.plan)
     from testbed.flight.fly import fly
     from testbed.results.metrics import measure
 

@@ -90,7 +90,10 @@ def decode(line: bytes) -> JobResult:
     """The inverse of ``encode``, apart from tuples, which come back as lists."""
     data = json.loads(line)
     row: Row = data["row"]
-    _restore(row, FlightMetrics)
+    if "lead" in row:
+        row["lead"] = {name: _numbers(value) for name, value in row["lead"].items()}
+    else:
+        _restore(row, FlightMetrics)
     for event in row["events"]:
         _restore(event, ReplanEvent)
     if row.get("evidence") is not None:

@@ -1,6 +1,5 @@
 """A campaign from file to run directory: continue what is there, fly what is missing, write down what came out."""
 
-import json
 import shlex
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -11,13 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from testbed.run import identity, journal, keep, manifest
-from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
-from testbed.run.engines import Died, Engine, LocalEngine
-from testbed.run.job import Job, JobResult, Row, crashed, run_job
+from testbed.run.directory import BadInputError, RunDirectory
+from testbed.run.engines import Died, Engine
+from testbed.run.job import Job, JobResult, crashed, run_job
 from testbed.run.manifest import Manifest
+from testbed.run.stored import existing, plan_of, rows_of
 from testbed.run.write import write_results
 from testbed.spec.model import Campaign, FlightPlan
-from testbed.types import FlightMetrics, Outcome
+from testbed.types import Outcome
 
 if TYPE_CHECKING:
     from testbed.results.checks import CheckResult
@@ -68,6 +68,8 @@ def run(order: Order) -> Summary:
 
     campaign = load_campaign(order.source, overrides=order.overrides)
     plans = list(expand(campaign))
+    if len({plan.lead_time is None for plan in plans}) > 1:
+        raise BadInputError(f"{order.source}: either all of a campaign's flights are searches (lead_time) or none is")
     plan = {"campaign": campaign.model_dump(mode="json"), "flights": [flight.model_dump(mode="json") for flight in plans]}
     text = order.source.read_bytes()  # before --fresh removes anything: the campaign may be the run's own copy
     directory = RunDirectory(order.out or RUNS / campaign.name)
@@ -100,7 +102,7 @@ def _note_overrides(order: Order) -> bytes:
 
 def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Sequence[FlightPlan], about: Manifest) -> int:
     """Fly the plans that have no row yet, and again those that crashed: memory or disk may have been short."""
-    done = {flight_id for flight_id, result in _rows(directory).items() if result.row["outcome"] != Outcome.CRASHED.value}
+    done = {flight_id for flight_id, result in rows_of(directory).items() if result.row["outcome"] != Outcome.CRASHED.value}
     jobs = [job for job in keep.jobs(directory, campaign, plans) if job.plan.flight_id not in done]
     if not jobs:
         return 0
@@ -127,84 +129,18 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Seque
 
 def report(path: Path) -> Summary:
     """Write the results of a run directory again from its rows, without flying."""
-    directory = _existing(path)
+    directory = existing(path)
     with directory.locked():
         return _written(directory)
 
 
 def _written(directory: RunDirectory, flown: int = 0) -> Summary:
     """Write the results, and say what there is."""
-    about, (campaign, plans) = manifest.load(directory), _plan(directory)
-    by_id = _rows(directory)
+    about, (campaign, plans) = manifest.load(directory), plan_of(directory)
+    by_id = rows_of(directory)
     checks = write_results(directory, about, campaign, plans, by_id)
     outcomes = dict(Counter(by_id[plan.flight_id].row["outcome"] for plan in plans if plan.flight_id in by_id))
     return Summary(directory.path, len(plans), outcomes, flown, about["identity"]["code"] == manifest.MIXED, checks)
-
-
-@dataclass(frozen=True)
-class Replay:
-    """A flight flown again, and how it compares with its row in the run."""
-
-    recording: Path
-    flight_id: str
-    differences: list[str]
-    same_code: bool
-
-
-def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[Job], JobResult] = run_job) -> Replay:
-    """Fly one plan of a run again and record it; ``flight_id`` may be shortened as long as it fits one flight only."""
-    directory = _existing(path)
-    about, (_, plans) = manifest.load(directory), _plan(directory)
-    matches = [plan for plan in plans if plan.flight_id == flight_id] or [plan for plan in plans if plan.flight_id.startswith(flight_id)]
-    if len(matches) != 1:
-        hint = "there are " + ", ".join(plan.flight_id for plan in (matches or plans)[:5]) + (", ..." if len(matches or plans) > 5 else "")
-        raise BadInputError(f"{path}: {'several flights begin with' if matches else 'no flight'} '{flight_id}'; {hint}")
-    plan = matches[0]
-    recording = (out or directory.recordings / f"{plan.flight_id}.rrd").resolve()
-    stored = _rows(directory).get(plan.flight_id)
-    ((_, again),) = LocalEngine(1).imap(job, [Job(plan, recording)])  # in a worker, as it was flown the first time
-    if isinstance(again, Died):
-        again = crashed(Job(plan), again.reason, again.details)
-    row = journal.decode(journal.encode(again)).row
-    same_code = about["identity"]["code"] == identity.code_hash() and about["identity"]["versions"] == identity.versions()
-    return Replay(recording, plan.flight_id, _changes(stored.row if stored else None, row), same_code)
-
-
-def _changes(stored: Row | None, row: Row) -> list[str]:
-    if stored is None:
-        return ["the run has no row of this flight yet"]
-    names = [*FlightMetrics.__dataclass_fields__, "events", "message", "traceback"]
-    return [line for name in names for line in identity.differences({name: _comparable(stored[name])}, {name: _comparable(row[name])})]
-
-
-def _comparable(value: Any) -> Any:
-    """With NaN as text, since a NaN is not equal to itself."""
-    return json.loads(json.dumps(value), parse_constant=str)
-
-
-def _existing(path: Path) -> RunDirectory:
-    directory = RunDirectory(path)
-    if not path.is_dir():
-        raise BadInputError(f"{path}: no such directory")
-    if not directory.is_run:
-        raise BadInputError(f"{path}: not a run directory (it has no {MANIFEST})")
-    return directory
-
-
-def _plan(directory: RunDirectory) -> tuple[Campaign, list[FlightPlan]]:
-    plan = directory.load("plan.json")
-    try:
-        return Campaign.model_validate(plan["campaign"]), [FlightPlan.model_validate(flight) for flight in plan["flights"]]
-    except (ValueError, TypeError, KeyError) as problem:
-        raise BadInputError(f"{directory / 'plan.json'}: not a plan of this version of testbed ({problem})") from None
-
-
-def _rows(directory: RunDirectory) -> dict[str, JobResult]:
-    """By flight; of a flight that was flown again, the last."""
-    try:
-        return {result.row["flight_id"]: result for result in journal.read(directory / "rows.jsonl")}
-    except journal.JournalError as problem:
-        raise BadInputError(f"{problem}; mend or remove that line, or start again with --fresh") from None
 
 
 def _now() -> str:

@@ -26,6 +26,10 @@ def write_results(
 
     flown = [plan for plan in plans if plan.flight_id in by_id]
     results = [by_id[plan.flight_id] for plan in flown]
+    if any(plan.lead_time for plan in plans):
+        directory.put("timings.csv", _timings(results))
+        _lead_time(directory, about, campaign, flown, results, len(plans))
+        return ()
     rows = [result.row for result in results]
     table = tables.table(rows)
     directory.put("results.csv", tables.csv_bytes(table))
@@ -65,6 +69,20 @@ def _verdict(directory: RunDirectory, campaign: Campaign, results: Sequence[JobR
     found = judge(rows, event_reach, _answer_ms(results))
     directory.put("verdict.csv", csv_bytes(found))
     return render(found, rows, {result.row["flight_id"]: result.series for result in results if result.series is not None})
+
+
+def _lead_time(
+    directory: RunDirectory, about: Manifest, campaign: Campaign, plans: Sequence[FlightPlan], results: Sequence[JobResult], planned: int
+) -> None:
+    """The lines and the page of a lead-time study: its flights are searches."""
+    from testbed.lead.line import Searches, csv_text, line_of
+    from testbed.lead.page import page_text
+
+    found = zip(plans, results, strict=True)
+    lines = tuple(line_of(plan, result.row) for plan, result in found if "lead" in result.row)
+    study = Searches(campaign.question, campaign.seed, lines, provenance(about, planned, len(results)))
+    directory.put("lead_time.csv", csv_text(lines).encode())
+    directory.put("index.html", page_text(study).encode())
 
 
 def _answer_ms(results: Sequence[JobResult]) -> float:

@@ -18,6 +18,7 @@ OUTCOME_TEXT = {
     "trim_failed": "could not be trimmed",
     "no_path": "no path could be planned",
     "timed_out": "timed out",
+    "stopped": "was stopped before the goal",
     "crashed": "the program failed",
 }
 

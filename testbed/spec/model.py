@@ -16,6 +16,7 @@ from testbed.spec.air import Air
 from testbed.spec.base import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
 from testbed.spec.check import Check
 from testbed.spec.grid import Grid, Kept, Part, Replicates
+from testbed.spec.lead_time import LeadTime
 from testbed.spec.route import Route
 from vosc.methods import METHODS
 
@@ -256,6 +257,15 @@ class FlightSettings(Section):
     """The air that every plant flies in."""
     vary: Vary = Vary()
     """How far the aircraft's data are off those that its gains were made for. A kinematic plant has none of them."""
+    lead_time: LeadTime | None = None
+    """Instead of a flight, search for the least lead that suffices."""
+
+    @field_validator("lead_time")
+    @classmethod
+    def _can_be_searched(cls, lead_time: LeadTime | None, info: ValidationInfo) -> LeadTime | None:
+        if lead_time is not None and (why := lead_time.unfit(info.data)):
+            raise ValueError(why)
+        return lead_time
 
 
 class Campaign(Grid, FlightSettings):

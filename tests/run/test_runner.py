@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from testbed.run import identity, runner
+from testbed.run import identity, keep, runner
 from testbed.run.directory import BadInputError
 from testbed.run.engines import LocalEngine, attempt
+from testbed.run.replay import replay
 from testbed.run.runner import Order
 from testbed.spec import SpecError
 from tests.run import fakes
@@ -299,7 +300,7 @@ def test_an_unfinished_run_can_be_reported(tmp_path):
 
 @pytest.mark.parametrize("directory", ["nowhere", "little.yaml", "."])
 def test_what_is_no_run_directory_is_refused(tmp_path, directory):
-    for forbidden in (lambda: runner.report(tmp_path / directory), lambda: runner.replay(tmp_path / directory, "x")):
+    for forbidden in (lambda: runner.report(tmp_path / directory), lambda: replay(tmp_path / directory, "x")):
         with pytest.raises(BadInputError, match=r"no such directory|not a run directory"):
             forbidden()
     assert list(contents(tmp_path)) == ["little.yaml"]
@@ -327,7 +328,7 @@ def test_raw_columns_are_kept_as_asked_and_cleared_with_the_run(tmp_path, kept, 
 
 
 def test_series_are_kept_for_the_first_cells_only_however_the_run_is_cut(tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "SERIES", 1)
+    monkeypatch.setattr(keep, "SERIES", 1)
     with pytest.raises(KeyboardInterrupt):
         fly(tmp_path, progress=stop_after(6))
     directory = fly(tmp_path).directory
@@ -345,7 +346,7 @@ parts:
 
 def test_each_part_is_recorded_and_drawn_in_its_own_right(tmp_path, monkeypatch):
     """Ten flights have a first replicate, six of them in the first part; four series are one of each part, then one more."""
-    monkeypatch.setattr(runner, "SERIES", 4)
+    monkeypatch.setattr(keep, "SERIES", 4)
     (tmp_path / "little.yaml").write_text(CAMPAIGN.partition("sweep:")[0] + PARTS)
     directory = fly(tmp_path).directory
     with (directory / "results.csv").open(newline="") as table:
@@ -383,11 +384,11 @@ def test_a_bad_campaign_leaves_a_run_alone(tmp_path):
 def test_a_replay_equals_its_row_and_records(tmp_path):
     directory = fly(tmp_path).directory
     flight = json.loads((directory / "plan.json").read_text())["flights"][5]["flight_id"]
-    again = runner.replay(directory, flight[:8], job=fakes.fly)
+    again = replay(directory, flight[:8], job=fakes.fly)
     assert (again.flight_id, again.differences, again.same_code) == (flight, [], True)
     assert again.recording == directory.resolve() / "recordings" / f"{flight}.rrd"
     assert again.recording.exists()
-    elsewhere = runner.replay(directory, flight, tmp_path / "x.rrd", job=fakes.fly)
+    elsewhere = replay(directory, flight, tmp_path / "x.rrd", job=fakes.fly)
     assert (tmp_path / "x.rrd").exists()
     assert elsewhere.differences == []
 
@@ -399,7 +400,7 @@ def test_a_replay_that_differs_says_where(tmp_path):
     lines = [json.loads(line) for line in rows.read_text().splitlines()]
     lines[0]["row"]["max_bank_deg"] = 1.5
     rows.write_text("".join(json.dumps(line) + "\n" for line in lines))
-    again = runner.replay(directory, lines[0]["row"]["flight_id"], tmp_path / "x.rrd", job=fakes.fly)
+    again = replay(directory, lines[0]["row"]["flight_id"], tmp_path / "x.rrd", job=fakes.fly)
     (difference,) = again.differences
     assert difference.startswith("max_bank_deg: 1.5 there, ")
 
@@ -408,7 +409,7 @@ def test_a_replay_that_differs_says_where(tmp_path):
 def test_a_replay_of_no_one_flight_is_refused(tmp_path, wanted, message):
     directory = fly(tmp_path).directory
     with pytest.raises(BadInputError, match=message):
-        runner.replay(directory, wanted)
+        replay(directory, wanted)
 
 
 def test_the_default_directory_is_named_after_the_campaign(tmp_path, monkeypatch):

@@ -166,7 +166,7 @@ def test_one_fault_is_one_message_at_its_place(complaint: Complaint, parted: str
         (
             "parts.calm.foo=1",
             "--set parts.calm.foo=1: unknown setting 'parts.calm.foo' (known in parts.calm: draw, encounters, skip, sweep, set,"
-            " replicates, recordings)",
+            " replicates, recordings, columns)",
         ),
     ],
 )

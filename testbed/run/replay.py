@@ -1,0 +1,57 @@
+"""A flight of a run flown again, and compared with its row."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from testbed.run import identity, journal, manifest
+from testbed.run.directory import BadInputError
+from testbed.run.engines import Died, LocalEngine
+from testbed.run.job import Job, JobResult, Row, crashed, run_job
+from testbed.run.stored import existing, plan_of, rows_of
+from testbed.types import FlightMetrics
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A flight flown again, and how it compares with its row in the run."""
+
+    recording: Path
+    flight_id: str
+    differences: list[str]
+    same_code: bool
+
+
+def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[Job], JobResult] = run_job) -> Replay:
+    """Fly one plan of a run again and record it; ``flight_id`` may be shortened as long as it fits one flight only."""
+    directory = existing(path)
+    about, (_, plans) = manifest.load(directory), plan_of(directory)
+    matches = [plan for plan in plans if plan.flight_id == flight_id] or [plan for plan in plans if plan.flight_id.startswith(flight_id)]
+    if len(matches) != 1:
+        hint = "there are " + ", ".join(plan.flight_id for plan in (matches or plans)[:5]) + (", ..." if len(matches or plans) > 5 else "")
+        raise BadInputError(f"{path}: {'several flights begin with' if matches else 'no flight'} '{flight_id}'; {hint}")
+    plan = matches[0]
+    if plan.lead_time is not None:
+        raise BadInputError(f"{path}: '{plan.flight_id}' is a search of many flights, and cannot be replayed as one")
+    recording = (out or directory.recordings / f"{plan.flight_id}.rrd").resolve()
+    stored = rows_of(directory).get(plan.flight_id)
+    ((_, again),) = LocalEngine(1).imap(job, [Job(plan, recording)])  # in a worker, as it was flown the first time
+    if isinstance(again, Died):
+        again = crashed(Job(plan), again.reason, again.details)
+    row = journal.decode(journal.encode(again)).row
+    same_code = about["identity"]["code"] == identity.code_hash() and about["identity"]["versions"] == identity.versions()
+    return Replay(recording, plan.flight_id, _changes(stored.row if stored else None, row), same_code)
+
+
+def _changes(stored: Row | None, row: Row) -> list[str]:
+    if stored is None:
+        return ["the run has no row of this flight yet"]
+    names = [*FlightMetrics.__dataclass_fields__, "events", "message", "traceback"]
+    return [line for name in names for line in identity.differences({name: _comparable(stored[name])}, {name: _comparable(row[name])})]
+
+
+def _comparable(value: Any) -> Any:
+    """With NaN as text, since a NaN is not equal to itself."""
+    return json.loads(json.dumps(value), parse_constant=str)

@@ -1,0 +1,35 @@
+"""What a run directory holds, read again: its plan and its rows."""
+
+from pathlib import Path
+
+from testbed.run import journal
+from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
+from testbed.run.job import JobResult
+from testbed.spec.model import Campaign, FlightPlan
+
+
+def existing(path: Path) -> RunDirectory:
+    """The run in a folder. Raises ``BadInputError`` if there is none."""
+    directory = RunDirectory(path)
+    if not path.is_dir():
+        raise BadInputError(f"{path}: no such directory")
+    if not directory.is_run:
+        raise BadInputError(f"{path}: not a run directory (it has no {MANIFEST})")
+    return directory
+
+
+def plan_of(directory: RunDirectory) -> tuple[Campaign, list[FlightPlan]]:
+    """What was to be flown."""
+    plan = directory.load("plan.json")
+    try:
+        return Campaign.model_validate(plan["campaign"]), [FlightPlan.model_validate(flight) for flight in plan["flights"]]
+    except (ValueError, TypeError, KeyError) as problem:
+        raise BadInputError(f"{directory / 'plan.json'}: not a plan of this version of testbed ({problem})") from None
+
+
+def rows_of(directory: RunDirectory) -> dict[str, JobResult]:
+    """By flight; of a flight that was flown again, the last."""
+    try:
+        return {result.row["flight_id"]: result for result in journal.read(directory / "rows.jsonl")}
+    except journal.JournalError as problem:
+        raise BadInputError(f"{problem}; mend or remove that line, or start again with --fresh") from None
