@@ -6,7 +6,7 @@ Times of the plan come from it, and so do the obstacles of the *anchored* design
 import numpy as np
 
 from testbed.chain import Chain
-from testbed.flight.air import CALM, Wind, ground_speed_along
+from testbed.flight.air import CALM, Wind
 from testbed.flight.traffic import Track
 from testbed.frames import vec3
 from testbed.spec.model import FlightPlan
@@ -39,7 +39,16 @@ def ground_speeds(route: Chain, s_m: Array, plan: FlightPlan, wind: Wind) -> Arr
     if keeps_speed(plan, wind):
         return np.full(len(s_m), plan.speed_mps)
     points, tangents, _ = route.sample(s_m)
-    return np.array([ground_speed_along(vec3(t), plan.speed_mps, wind(0.0, vec3(p))) for p, t in zip(points, tangents, strict=True)])
+    if plan.air.wind.kind == "steady":
+        return _ground_speeds(tangents, plan.speed_mps, np.array(wind(0.0, vec3(points[0]))))
+    return _ground_speeds(tangents, plan.speed_mps, np.array([wind(0.0, vec3(p)) for p in points]))
+
+
+def _ground_speeds(tangents: Array, airspeed_mps: float, winds: Array) -> Array:
+    """``ground_speed_along`` for tangents (n,3) and winds (n,3) or (3,)."""
+    along = (tangents * winds).sum(axis=1)
+    rest = airspeed_mps**2 - (winds * winds).sum(axis=-1) + along**2
+    return np.where(rest > 0.0, np.maximum(along + np.sqrt(np.maximum(rest, 0.0)), 0.0), 0.0)
 
 
 def arc_lengths(route: Chain, from_s_m: float, elapsed_s: Array, plan: FlightPlan, wind: Wind) -> Array:

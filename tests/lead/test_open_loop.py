@@ -90,7 +90,7 @@ def test_the_bisection_finds_what_a_fine_grid_finds() -> None:
         found = best_lead(family, one, 3.0, 0.02)
         fine = np.arange(one.entry_s + 0.005, 3.0, 0.005)
         kept = [lead_s for lead_s in fine if best_clearance(family, one, float(lead_s)) >= 0.0]
-        assert kept[0] - 1e-9 <= found <= kept[0] + 0.02 + 0.005
+        assert kept[0] - 0.005 <= found <= kept[0] + 0.02  # the least lead lies within a step below the first that suffices
 
 
 def test_more_time_never_hurts_the_best_manoeuvre() -> None:
