@@ -8,10 +8,10 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper test fast bench report lock clean
+.PHONY: help paper paper-full verify lead-time test fast bench report lock clean
 
 help: ## this list
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
 
 # Installed once, and again when what is to be installed changes. Everything comes from the lock, checked by its hash, the build
 # backend included; so the project itself is built without an isolated (unlocked) environment.
@@ -23,10 +23,29 @@ $(STAMP): requirements.lock pyproject.toml
 	$(PIP) check; \
 	touch $@; echo "installation: $$(( $$(date +%s) - start )) s"
 
-paper: $(STAMP) ## fly the paper's encounter: reports/runs/paper-single/index.html
+paper: $(STAMP) ## the verdict on the paper, 20 seeds: reports/runs/paper/index.html
 	@start=$$(date +%s); set -e; \
-	$(BIN)/testbed run campaigns/paper_single.yaml --fresh; \
-	echo "main job: $$(( $$(date +%s) - start )) s (installation not included)"
+	$(BIN)/testbed run campaigns/paper.yaml --fresh > /dev/null; \
+	echo "main job: $$(( $$(date +%s) - start )) s (installation not included)"; echo reports/runs/paper/index.html
+
+# What is committed in reports/paper: more of everything that is drawn, and the recordings that the page links to.
+FULL := reports/runs/paper-full
+paper-full: $(STAMP) ## the verdict with 100 seeds, 1000 encounters, 500 draws; verified; into reports/paper
+	$(BIN)/testbed run campaigns/paper.yaml --fresh --out $(FULL) --set parts.turbulence.replicates=100 \
+	  --set parts.population.replicates=1000 --set parts.robustness_single.replicates=501 --set parts.robustness_multi.replicates=501
+	$(BIN)/python reports/verify.py $(FULL)
+	$(BIN)/testbed audit
+	mkdir -p reports/paper/recordings
+	cp $(FULL)/index.html $(FULL)/verdict.csv $(FULL)/results.csv reports/paper/
+	cp $(FULL)/recordings/*.rrd reports/paper/recordings/
+
+verify: $(STAMP) ## recompute the verdict of `make paper` from its raw columns, without the testbed's code
+	$(BIN)/python reports/verify.py reports/runs/paper
+
+lead-time: $(STAMP) ## the lead-time study, about twenty minutes: reports/lead_time
+	$(BIN)/testbed run campaigns/lead_time.yaml --fresh
+	mkdir -p reports/lead_time
+	cp reports/runs/lead-time/index.html reports/runs/lead-time/lead_time.csv reports/lead_time/
 
 test: $(STAMP) ## style, types, import order, all tests
 	$(BIN)/ruff check $(CHECKED)
@@ -42,7 +61,7 @@ bench: $(STAMP) ## time a flight against the bare stepping of its plant
 	$(BIN)/testbed bench
 
 report: $(STAMP) ## write the page and tables of the paper's campaign again, without flying
-	$(BIN)/testbed report reports/runs/paper-single
+	$(BIN)/testbed report reports/runs/paper
 
 # No index and no folder of wheels is written down: the hashes say what the packages are, pip's configuration says where they are.
 lock: ## choose versions again: the newest that fit pyproject.toml, for Python 3.11 on x86-64 Linux

@@ -709,9 +709,9 @@ def judge_comparison(flights: Flights, key: str) -> Judged:
     return Judged(judged.word, {**calm, **judged.columns})
 
 
-def _comparison_draws(flights: Flights, on_rails: Figure, flown: Figure) -> dict[int, tuple[float, float]]:
+def _comparison_draws(flights: Flights, on_rails: Figure, flown: Figure, encounter: str = "single_106") -> dict[int, tuple[float, float]]:
     by_draw: dict[int, list[Flight]] = {}
-    for row in flights.pick(part=DRAWN, encounter="single_106", flown_by="gtm_t2"):
+    for row in flights.pick(part=DRAWN, encounter=encounter, flown_by="gtm_t2"):
         by_draw.setdefault(int(row["replicate"]), []).append(row)
     found = {}
     for n, rows in by_draw.items():
@@ -740,25 +740,33 @@ def _field_word(flights: Flights, key: str, rivals: Sequence[str]) -> str:
 
 # superior
 
-CRITERIA: tuple[tuple[Figure, float], ...] = (  # larger is worse; margin
-    (lambda row: -number(row, "least_clearance_m"), 0.15),
-    (lambda row: number(row, "deflection_deg"), 0.05),
-    (route_length, 0.05),
-    (lambda row: number(row, "max_load_factor"), 0.05),
+LESS_CLEAR: Figure = lambda row: -number(row, "least_clearance_m")  # noqa: E731
+CRITERIA: tuple[tuple[Figure, Figure, float], ...] = (  # on rails, flown: larger is worse; margin
+    (LESS_CLEAR, LESS_CLEAR, 0.15),
+    (lambda row: number(row, "deflection_deg"), lambda row: number(row, "flown_deflection_deg"), 0.05),
+    (route_length, route_length, 0.05),
+    (lambda row: number(row, "max_load_factor"), lambda row: number(row, "max_load_factor"), 0.05),
 )
 
 
 def judge_superior(flights: Flights) -> Judged:
-    """SCOAM against both planes of DROAM on the population."""
+    """SCOAM against both planes of DROAM on the population, then the draws: its clearance against the better plane."""
+    margin = CRITERIA[0][2]
+    draws = _comparison_draws(flights, LESS_CLEAR, LESS_CLEAR, "multi_o2_up")
+    said = {n: ON_RAILS if rails < -margin else HOLDS if air >= -margin else FLOWN for n, (rails, air) in draws.items()}
+    return settled(_superior_word(flights), said)
+
+
+def _superior_word(flights: Flights) -> str:
     rails, air = (_standing(flights, rung) for rung in ("kinematic", "jsbsim"))
     if not flights.pick(part="population", method="scoam"):
-        return Judged(OPEN, {})
+        return OPEN
     better = [k for k, one in enumerate(rails) if one == "better"]
     if not better:
-        return Judged(ON_RAILS if "worse" in rails else OPEN, {})
+        return ON_RAILS if "worse" in rails else OPEN
     if not any(air[k] == "better" for k in better):
-        return Judged(FLOWN, {})
-    return Judged(ONLY_IF if {"worse", "open"} & {*rails, *air} else HOLDS, {})
+        return FLOWN
+    return ONLY_IF if {"worse", "open"} & {*rails, *air} else HOLDS
 
 
 def _standing(flights: Flights, rung: str) -> list[str]:
@@ -789,7 +797,8 @@ def _safer(flights: Flights, rung: str, plane: str) -> str:
     return "open" if p >= 0.05 else "better" if only_us > only_them else "worse"
 
 
-def _median_stand(flights: Flights, rung: str, plane: str, figure: Figure, margin: float) -> str:
+def _median_stand(flights: Flights, rung: str, plane: str, on_rails: Figure, flown: Figure, margin: float) -> str:
+    figure = on_rails if rung == "kinematic" else flown
     _, low, high = median_bounds(gains(flights, (plane,), figure, part="population", rung=rung))
     if low > margin:
         return "better"
@@ -858,11 +867,12 @@ def judge_reading(flights: Flights, one: Print) -> Judged:
         calm |= _in_air(flights, one.figure, method=one.method, **where)
     gap = calm["kinematic"] - one.value
     columns = {**calm, "effect": gap, "effect_low": gap - one.tolerance, "effect_high": gap + one.tolerance}
-    # draws are of one encounter of each table; the other readings have none
-    draws = flights.draws(one.encounter, one.method) if one.encounter == DRAWN_FOR[one.table] else {}
+    # draws are of one encounter of each table and of the lesser side; the other readings and sides have none
+    drawn = one.encounter == DRAWN_FOR[one.table] and row is rails[0]
+    draws = flights.draws(one.encounter, one.method) if drawn else {}
     said = draw_words(draws, lambda flight: one.meets(one.figure(flight)), lambda flight: one.meets(one.figure(flight)))
     word = _number_word(one, calm, draws, said, row is not rails[0])
-    share, n = agreeing(word, said)
+    share, n = agreeing(HOLDS if word == ONLY_IF else word, said)  # a number that is met
     return Judged(word, {**columns, "robustness_share": share, "robustness_n": n})
 
 

@@ -16,18 +16,23 @@ SERIES = 64
 def jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan]) -> list[Job]:
     """One job a plan, in plan order."""
     parts = resolved_parts(campaign)
-    with_series = _series_kept(campaign, plans)
+    drawn = _drawn(campaign, plans)
+    with_series = _series_kept(campaign, plans, drawn)
     recordings, columns = directory.recordings.resolve(), directory.columns.resolve()
-    return [
-        Job(
-            plan,
-            recordings / f"{plan.flight_id}.rrd" if _is_kept(plan, parts[_part(campaign, plan)].recordings) else None,
-            plan.flight_id in with_series,
-            campaign.check,
-            columns / f"{plan.flight_id}.parquet" if _is_kept(plan, parts[_part(campaign, plan)].columns) else None,
+    made = []
+    for plan in plans:
+        part = parts[_part(campaign, plan)]
+        recorded = plan.flight_id in drawn if drawn and part.recordings == "selected" else _is_kept(plan, part.recordings)
+        made.append(
+            Job(
+                plan,
+                recordings / f"{plan.flight_id}.rrd" if recorded else None,
+                plan.flight_id in with_series,
+                campaign.check,
+                columns / f"{plan.flight_id}.parquet" if _is_kept(plan, part.columns) else None,
+            )
         )
-        for plan in plans
-    ]
+    return made
 
 
 def _part(campaign: Campaign, plan: FlightPlan) -> str:
@@ -39,13 +44,17 @@ def _is_kept(plan: FlightPlan, kept: str | None) -> bool:
     return kept == "all" or (kept == "selected" and plan.replicate == 0)
 
 
-def _series_kept(campaign: Campaign, plans: Sequence[FlightPlan]) -> set[str]:
-    """The flights that a verdict draws, and then fairly: no part goes without because one before it has many cells."""
-    drawn: list[str] = []
-    if campaign.verdict is not None:
-        from testbed.show.verdict.pictures import shown
+def _drawn(campaign: Campaign, plans: Sequence[FlightPlan]) -> tuple[str, ...]:
+    """The flights in the pictures of a verdict: of these alone it keeps recordings, unless it is to keep all or none."""
+    if campaign.verdict is None:
+        return ()
+    from testbed.show.verdict.pictures import shown
 
-        drawn = [plan.flight_id for plan in plans if shown(plan.labels, plan.replicate) is not None]
+    return tuple(plan.flight_id for plan in plans if shown(plan.labels, plan.replicate) is not None)
+
+
+def _series_kept(campaign: Campaign, plans: Sequence[FlightPlan], drawn: Sequence[str]) -> set[str]:
+    """The flights that a verdict draws, and then fairly: no part goes without because one before it has many cells."""
     return set(islice(chain(drawn, _in_turn(campaign, plans)), max(SERIES, len(drawn))))
 
 

@@ -12,7 +12,7 @@ from testbed.paper.printed import PRINTED
 from testbed.paper.readings import UNPRINTED, UNREAD
 from testbed.paper.verdict import draws
 from testbed.paper.verdict.ablation import in_turbulence, in_wind, lesser_side
-from testbed.paper.verdict.saying import listed, percent, reading, say
+from testbed.paper.verdict.saying import METHOD, listed, percent, reading, say
 from testbed.paper.verdict.select import MAIN, SIDES, Flights, Row, number
 from testbed.paper.verdict.stats import NAN, spread
 from testbed.paper.verdict.words import AS_TAKEN, SHARE, Agreement, agreement
@@ -26,7 +26,6 @@ READINGS: Final = {
 DRAWN: Final = ("single_106", "multi_o2_up")
 METHODS: Final = {"scoam": "scoam", "droam_hp": "hp", "droam_vp": "vp"}
 QUANTITIES: Final = {"deflection": "deflection", "path_length": "length", "time": "time"}
-NAMES: Final = {"scoam": "SCOAM", "droam_hp": "DROAM/HP", "droam_vp": "DROAM/VP"}
 BESIDE: Final = {"deflection": ("flown_deflection_deg", "peak_deflection_deg"), "time": ("clear_time_s",), "path_length": ()}
 SHOWN: Final = {
     "deflection": ("commanded deflection", "deg"),
@@ -190,7 +189,7 @@ def _claim(printed: Printed, one: One) -> Claim:
     return Claim(
         f"{printed.key}@{one.encounter}",
         f"Table {printed.table[-1]}",
-        f"{NAMES[printed.method]} {printed.quantity.replace('_', ' ')}",
+        f"{METHOD[printed.method]} {printed.quantity.replace('_', ' ')}",
         PRINTED[printed.audit_key].text,
         unit,
         what,
@@ -221,7 +220,7 @@ def _why(printed: Printed, one: One, word: Word) -> str:
     unit = SHOWN[printed.quantity][1]
     if not math.isfinite(one.rails):
         return f"With {reading(one.encounter)} no re-plan was flown on rails, so there is no such number."
-    side = "" if printed.method == "scoam" else f" ({one.side.replace('_', ' ')})"
+    side = "" if printed.method == "scoam" else f" ({METHOD[one.side]})"
     text = PRINTED[printed.audit_key].text
     said = [
         f"With {reading(one.encounter)} the flight on rails has {say(one.rails, unit)}{side} against {text} printed; "

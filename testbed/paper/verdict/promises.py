@@ -8,7 +8,7 @@ from testbed.paper.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONL
 from testbed.paper.verdict.ablation import costs, in_turbulence, in_wind, kinematic_cause, most_costly, waterfall
 from testbed.paper.verdict.evidence import Found, Promise, gather
 from testbed.paper.verdict.reach import Demand, Reach, demand, limits_of, pose
-from testbed.paper.verdict.saying import listed, reading, say
+from testbed.paper.verdict.saying import METHOD, listed, reading, say
 from testbed.paper.verdict.select import MAIN, MULTI, SINGLE, Flights, Row, clearance, keeps, label, number
 from testbed.paper.verdict.stats import finite, spread
 
@@ -175,7 +175,7 @@ def _rivals(flights: Flights) -> str:
     for method in ("droam_hp_left", "droam_hp_right", "droam_vp_up", "droam_vp_down"):
         row = flights.one("calm", method, "kinematic", encounter=MULTI[0], flown_by=MAIN)
         if row is not None:
-            said.append(f"{say(number(row, 'max_load_factor'), 'g')} {method.removeprefix('droam_').replace('_', ' ').upper()}")
+            said.append(f"{say(number(row, 'max_load_factor'), 'g')} {METHOD[method].removeprefix('DROAM/')}")
     return f"; DROAM with {MAIN} for {listed(said)}" if said else ""
 
 

@@ -16,6 +16,18 @@ READING: Final = {
     "multi_o2_up": "O_2 climbing at +15.4 deg",
 }
 
+METHOD: Final = {
+    "scoam": "SCOAM",
+    "droam_hp": "DROAM/HP",
+    "droam_vp": "DROAM/VP",
+    "least_deflection": "least deflection",
+    "droam_hp_left": "DROAM/HP left",
+    "droam_hp_right": "DROAM/HP right",
+    "droam_vp_up": "DROAM/VP up",
+    "droam_vp_down": "DROAM/VP down",
+}
+RUNG: Final = {"kinematic": "on rails", "jsbsim": "flown"}
+
 
 def say(value: float, unit: str = "") -> str:
     """``-3.8 m``; ``none`` for what does not exist. No negative zero."""

@@ -7,7 +7,7 @@ from testbed.paper.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HO
 from testbed.paper.verdict.comparisons import draw_words
 from testbed.paper.verdict.pairs import CLEARANCE, DEFLECTION, LENGTH, LOAD, gain, paired
 from testbed.paper.verdict.ranking import Pairs, safe_pairs, threats, with_scoam
-from testbed.paper.verdict.saying import listed, percent, say
+from testbed.paper.verdict.saying import METHOD, RUNG, listed, percent, say
 from testbed.paper.verdict.select import DROAM, MAIN, Flights, clearance, keeps
 from testbed.paper.verdict.stats import LEAST_PAIRS, NAN, NO_EFFECT, NO_SPREAD, mcnemar, median
 from testbed.paper.verdict.words import Ruling, agreement, robust
@@ -127,7 +127,7 @@ def _effect(flights: Flights, rung: str) -> Effect:
     """SCOAM's clearance minus that of the plane that does better in the median."""
     found = [
         median(
-            f"median of SCOAM's clearance minus {plane}'s, {rung}",
+            f"median of SCOAM's clearance minus that of {METHOD[plane]}, {RUNG[rung]}",
             "m",
             (clearance(a) - clearance(b) for a, b in with_scoam(flights, plane, rung)),
         )
@@ -147,7 +147,7 @@ def _why(flights: Flights, rails: list[Criterion], flown: list[Criterion], rulin
     said = []
     for rung, name, found in (("kinematic", "On rails", rails), ("jsbsim", "Flown", flown)):
         if found:
-            shares = [f"{percent(_share(flights, method, rung))} ({method})" for method in ("scoam", *DROAM)]
+            shares = [f"{percent(_share(flights, method, rung))} ({METHOD[method]})" for method in ("scoam", *DROAM)]
             told = [f"{verdict} in {listed(_named(found, verdict))}" for verdict in (BETTER, WORSE) if _named(found, verdict)]
             said.append(
                 f"{name} {listed(shares)} of the threats are kept clear; SCOAM is {' and '.join(told) or 'neither better nor worse'}."
