@@ -46,6 +46,9 @@ METRICS = (
     Column("saturated_share", "saturated", "", 2, "high", "Share of the flight in which guidance asked for more than the limits allow."),
     Column("airspeed_rms_error_mps", "airspeed error", "m/s", 2, "high", "Root mean square difference of the airspeed from the set speed."),
     Column("wind_along_std_mps", "gusts along", "m/s", 2, "", "Standard deviation of the air's velocity along the flight."),
+    Column("clear_time_s", "clear after", "s", 2, "", "From the re-plan until obstacles open and every radius is kept to the end."),
+    Column("rejoin_time_s", "rejoined after", "s", 1, "", "From the re-plan until back within 5 m of the route for good."),
+    Column("rejoin_length_m", "length to rejoin", "m", 0, "", "Path flown over the ground until then."),
     Column("replans", "re-plans", "", 0, "", "Number of times the path was changed."),
 )  # fmt: skip
 

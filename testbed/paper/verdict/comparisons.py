@@ -53,15 +53,12 @@ def least(flights: Flights, claim: Least) -> Claim:
     """Against the paper's own rivals first; what holds there must hold against the least possible too, or is so conditioned."""
     own = _judged(flights, claim.measure, DROAM)
     every = _judged(flights, claim.measure, EVERY)
-    ruling, shown = own.ruling, own
+    ruling = own.ruling
     if own.ruling.word in (HOLDS, HOLDS_ONLY_IF) and every.ruling.word != own.ruling.word:
         extra = [own.ruling.condition] if own.ruling.condition else []
         ruling = Ruling(HOLDS_ONLY_IF, ", ".join(["DROAM is the only rival", *extra]), every.ruling.reason)
-    elif own.ruling == every.ruling:
-        shown = every
-    effect = (
-        shown.rails.effect if ruling.word in (FAILS_KINEMATICALLY, NOT_DETERMINED) or not shown.flown.differences else shown.flown.effect
-    )
+    on_rails = ruling.word in (FAILS_KINEMATICALLY, NOT_DETERMINED) or not own.flown.differences
+    effect = own.rails.effect if on_rails else own.flown.effect
     rungs = {rung: _nominal(flights, claim.measure, rung, DRAWN) for rung in ("kinematic", "point_mass", "jsbsim")}
     return Claim(
         claim.key,
@@ -79,8 +76,8 @@ def least(flights: Flights, claim: Least) -> Claim:
         ruling.word,
         ruling.condition,
         effect,
-        shown.agreement.share,
-        shown.agreement.n,
+        own.agreement.share,
+        own.agreement.n,
         "",
         _why(flights, claim.measure, own, every, ruling),
     )
