@@ -311,7 +311,8 @@ def test_reversed_data_behave(direction, ahead, beside):
         assert np.isfinite(tangents).all()
         assert np.isfinite(bends).all()
         assert not math.isnan(curve.max_curvature())
-        np.testing.assert_allclose(points[-1], ahead * x + beside * y, atol=1e-9)
+        # beside a reversal the bisector of nearly opposite vectors keeps half of the digits
+        np.testing.assert_allclose(points[-1], ahead * x + beside * y, atol=1e-7)
 
 
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
