@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,15 @@ class Outcome(Enum):
     TIMED_OUT = "timed_out"  # three times the planned time
     REACHED = "reached"  # crossed the goal's plane within 20 m
     STOPPED = "stopped"  # whoever had it flown had seen enough
+
+
+TOUCH_M = 1e-6
+"""A velocity on the edge of a velocity obstacle passes at the radius exactly: up to so far inside is rounding and no collision."""
+
+
+def inside(clearance_m: Any) -> Any:
+    """Does a clearance (a float or an array) mean a collision? NaN does not."""
+    return clearance_m < -TOUCH_M
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ def turn_radius(speed_mps: float, bank_rad: float) -> float:
     return speed_mps * speed_mps / (G0_MPS2 * math.tan(bank_rad))
 
 
-def turn_radius_m(speed_mps: float, load_factor: float) -> float:
+def turn_radius_at(speed_mps: float, load_factor: float) -> float:
     """Radius (m) of a level coordinated turn at a load factor above 1, V^2 / (g sqrt(n^2 - 1)); inf at 1 g and below."""
     return speed_mps * speed_mps / (G0_MPS2 * math.sqrt(load_factor * load_factor - 1.0)) if load_factor > 1.0 else math.inf
 

@@ -2,11 +2,11 @@
 
 import math
 
-from testbed.flight.log import TOUCH_M
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import State
 from testbed.flight.rejoin import miss_along, opens
 from testbed.flight.scene import Scene
+from testbed.types import inside
 
 
 class Decided:
@@ -20,7 +20,7 @@ class Decided:
     def __call__(self, time_s: float, state: State, path: ActivePath, s_m: float) -> bool:
         pos = (state.x, state.y, state.z)
         for track in self._tracks:  # what costs nothing first
-            if not opens(state, track, time_s) or math.dist(pos, track.at(time_s)) < track.radius - TOUCH_M:
+            if not opens(state, track, time_s) or inside(math.dist(pos, track.at(time_s)) - track.radius):
                 return False
         speed = math.hypot(state.vx, state.vy, state.vz)
-        return all(miss_along(path, s_m, speed, time_s, [track]) >= track.radius - TOUCH_M for track in self._tracks)
+        return not any(inside(miss_along(path, s_m, speed, time_s, [track]) - track.radius) for track in self._tracks)

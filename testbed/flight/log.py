@@ -13,10 +13,9 @@ from testbed.flight.scene import Scene
 from testbed.flight.traffic import least_clearance
 from testbed.frames import quat_xyzw_from_euler
 from testbed.spec.model import FlightPlan
-from testbed.types import FlightRecord, Outcome, PlannedPath, ReplanEvent
+from testbed.types import FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
 
 Array = np.ndarray
-TOUCH_M = 1e-6  # a velocity on the edge of a velocity obstacle passes at the radius exactly: rounding is no collision
 ANSWERED = ("replanned", "rejoined", "none", "clear")  # decisions after which the flight is not one without a path
 STATE_COLUMNS = {  # State field -> column
     "bank": "own.bank_rad",
@@ -59,7 +58,7 @@ def finish(
     """Columns, least clearance and the final outcome. Without a plant nothing was flown."""
     began = perf_counter()
     columns, closest = _columns(log, scene, plant)
-    if closest < -TOUCH_M and outcome not in (Outcome.DIVERGED, Outcome.HIT_GROUND):
+    if inside(closest) and outcome not in (Outcome.DIVERGED, Outcome.HIT_GROUND):
         outcome, message = Outcome.COLLIDED, f"came {-closest:.2f} m inside an obstacle"
     elif outcome is Outcome.REACHED and (refused := [e for e in log.events if e.decision not in ANSWERED]):
         outcome, message = Outcome.NO_PATH, f"the planner had no path at {refused[0].time_s:.2f} s: {refused[0].decision}"

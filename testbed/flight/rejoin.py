@@ -27,9 +27,20 @@ PREDICTION_STEP_S = 0.05  # between samples obstacle and aircraft move straight
 AHEAD_S = np.arange(1.0, 12.5, 0.5)  # where on the route to come back to, in flight times ahead of the nearest place
 
 
+def joined(start: Vec3, along: Vec3, end: Vec3, along_there: Vec3, magnitude_chords: float) -> ph.Curve:
+    """The PH curve between two places in two directions, end tangents ``magnitude_chords`` long. Raises as ``ray`` does."""
+    size = magnitude_chords * math.dist(start, end)
+    return ph.hermite(start, resized(along, size), end, resized(along_there, size))
+
+
+def resized(vector: Vec3, size: float) -> Vec3:
+    """The vector scaled to a length."""
+    return scale(size / norm(vector), vector)
+
+
 def ray(point: Vec3, velocity: Vec3) -> ph.Curve:
     """The straight line in the direction of a velocity. ``ValueError`` or ``ZeroDivisionError`` when it has none."""
-    arrow = scale(HELD_M / norm(velocity), velocity)
+    arrow = resized(velocity, HELD_M)
     return ph.hermite(point, arrow, add(point, arrow), arrow)
 
 
@@ -73,7 +84,7 @@ class Rejoin:
         """PH pieces from a point, along a velocity over the ground, to the goal or to the route and along it."""
         if self._settings.to == "route" and (way := self._to_route(point, velocity)):
             return way
-        return (self._join(point, velocity, self._scene.goal, self._scene.goal_tangent),)
+        return (joined(point, velocity, self._scene.goal, self._scene.goal_tangent, self._magnitude),)
 
     def _to_route(self, point: Vec3, velocity: Vec3) -> tuple[ph.Curve, ...]:
         """To the first place of the route that can be reached within the bank that is set aside for it; empty when there is none."""
@@ -83,11 +94,7 @@ class Rejoin:
             if s_m >= route.length_m - 1.0:
                 break
             place, tangent, _ = route.frame(float(s_m))
-            join = self._join(point, velocity, place, tangent)
+            join = joined(point, velocity, place, tangent, self._magnitude)
             if join.max_curvature() <= self._most_curvature:
                 return (join, *route.tail(float(s_m)))
         return ()
-
-    def _join(self, point: Vec3, velocity: Vec3, end: Vec3, tangent: Vec3) -> ph.Curve:
-        size = self._magnitude * math.dist(point, end)
-        return ph.hermite(point, scale(size / norm(velocity), velocity), end, scale(size / norm(tangent), tangent))

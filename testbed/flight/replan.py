@@ -28,7 +28,7 @@ from testbed.chain import Chain
 from testbed.flight.decision import Sighting, carried, make_event
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import State
-from testbed.flight.rejoin import Rejoin, miss_along, ray
+from testbed.flight.rejoin import Rejoin, joined, miss_along, ray
 from testbed.flight.scene import Scene
 from testbed.flight.sensor import detect
 from testbed.flight.traffic import Track
@@ -36,9 +36,9 @@ from testbed.frames import Vec3, vec3
 from testbed.seeds import stream
 from testbed.spec.model import FlightPlan
 from testbed.types import ReplanEvent
-from vosc import Insertion, Own, insertion_point, ph
+from vosc import Insertion, Own, insertion_point
 from vosc.methods import Avoidance, avoid
-from vosc.vec import add, norm, scale, sub
+from vosc.vec import add, norm, sub
 
 STILL: Vec3 = (0.0, 0.0, 0.0)
 
@@ -142,8 +142,7 @@ class Planner:
             if insertion is None:
                 return ActivePath((ray(own.pos_m, command),))
             start, middle = own.pos_m, carried(insertion, wind)
-            size = settings.magnitude_chords * math.dist(start, middle)
-            there = ph.hermite(start, resized(add(own.vel_mps, wind), size), middle, resized(command, size))
+            there = joined(start, add(own.vel_mps, wind), middle, command, settings.magnitude_chords)
             on = (ray(middle, command),) if settings.rejoin.when == "clear" else self._rejoin.curves(middle, command)
             return ActivePath((there, *on))
         except (ValueError, ZeroDivisionError):  # coincident points; a command that stands still over the ground
@@ -170,11 +169,6 @@ def _wind_error(plan: FlightPlan) -> Vec3:
         return STILL
     east, north = plan.replan.wind_estimate_sigma_mps * stream(plan.seed, plan.replicate, "wind_estimate").normal(size=2)
     return float(east), float(north), 0.0
-
-
-def resized(vector: Vec3, size: float) -> Vec3:
-    """The vector scaled to a length."""
-    return scale(size / norm(vector), vector)
 
 
 def time_of_collision(own: Own, sighting: Sighting) -> float:

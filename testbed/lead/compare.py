@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from testbed.lead.line import Line
-from testbed.lead.statistics import Cost, Estimate, bootstrap, cost, logistic, lower_bound, quantile, shown_from
+from testbed.lead.statistics import Cost, Estimate, bootstrap, cost, logistic, quantile, shown_from
+from testbed.paper.verdict.stats import share_at_least
 
 RAILS = {"direct": "vo_instant", "insertion_point": "kinematic"}
 STEPS = (  # what is compared, the rung with it, the rung without it
@@ -165,7 +166,7 @@ def shares(lines: Sequence[Line], seed: int, at_s: np.ndarray) -> Shares:
         leads,
         counts,
         len(lines),
-        [lower_bound(count, len(lines)) for count in counts],
+        [share_at_least(count, len(lines)) for count in counts],
         shown_from(leads, kept),
         logistic(np.tile(leads, len(lines)), kept).at(at_s).tolist(),
         reaches(0.5),

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbed.frames import direction_deg, unit_from_direction, vec3
-from testbed.seeds import stream
+from testbed.spec.encounters import MOST_DRAWS, NAME, draws, perpendicular
 from testbed.spec.model import FlightPlan, ObstacleSpec, When
 
 Array = np.ndarray
-NAME = "O"
-MOST_DRAWS = 20_000
 
 
 @dataclass(frozen=True)
@@ -44,30 +42,15 @@ def drawn(plan: FlightPlan) -> Encounter:
     """The encounter of a plan's seed and replicate: nothing that is compared has a part in it. Raises ``ValueError`` if there is none."""
     study = plan.lead_time
     assert study is not None
-    rng = stream(plan.seed, plan.replicate, "encounter")
     own = plan.speed_mps * np.array(unit_from_direction(*plan.route.start_direction_deg))
-    for _ in range(MOST_DRAWS):
-        speed, sine, azimuth, radius, share, around = rng.uniform(size=6)
-        speed = study.obstacle_speed_mps[0] + speed * (study.obstacle_speed_mps[1] - study.obstacle_speed_mps[0])
-        radius = study.radius_m[0] + radius * (study.radius_m[1] - study.radius_m[0])
-        sine, azimuth = 2.0 * sine - 1.0, math.tau * azimuth  # even on the sphere: Archimedes
-        flat = math.sqrt(1.0 - sine * sine)
-        velocity = speed * np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), sine])
+    for one in draws(plan.seed, plan.replicate, study.obstacle_speed_mps, study.radius_m):
+        velocity = one.speed_mps * one.direction
         closing = own - velocity
         if np.linalg.norm(closing) > 0.0:
-            miss = radius * math.sqrt(share) * _perpendicular(closing, math.tau * around)
-            encounter = Encounter(miss, closing, velocity, float(radius))
+            encounter = Encounter(one.miss_m * perpendicular(closing, one.around_rad), closing, velocity, float(one.radius_m))
             if encounter.entry_s < study.leads_s[-1]:
                 return encounter
     raise ValueError(f"none of {MOST_DRAWS:,} draws begins outside of the sphere at the longest lead")
-
-
-def _perpendicular(vector: Array, angle: float) -> Array:
-    """Unit vector (3,) perpendicular to ``vector`` (3,), at that angle (rad) about it."""
-    along = vector / np.linalg.norm(vector)
-    across = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
-    across /= np.linalg.norm(across)
-    return math.cos(angle) * across + math.sin(angle) * np.cross(along, across)
 
 
 def at_lead(plan: FlightPlan, encounter: Encounter, lead_s: float) -> FlightPlan:

@@ -10,6 +10,7 @@ from typing import Any
 from testbed.lead.search import Found
 from testbed.spec.grid import PART
 from testbed.spec.model import FlightPlan
+from testbed.types import inside
 
 ONLY = {
     frozenset(): "point_mass",
@@ -55,7 +56,7 @@ class Line:
     @property
     def kept(self) -> tuple[bool, ...]:
         """Was the radius kept, at each lead of the grid?"""
-        return tuple(value >= -1e-6 for value in self.found.grid_clearance_m)
+        return tuple(not inside(value) for value in self.found.grid_clearance_m)
 
 
 @dataclass(frozen=True)

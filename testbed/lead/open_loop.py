@@ -23,13 +23,13 @@ import numpy as np
 from testbed.flight.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.fly import start_of
 from testbed.flight.guidance import BankToTurn
-from testbed.flight.log import TOUCH_M
 from testbed.flight.parts import PLANTS
 from testbed.flight.plants.base import Command, TrimFailedError
 from testbed.flight.scene import Scene, make_scene
 from testbed.lead.encounter import Encounter
 from testbed.spec.air import Air
 from testbed.spec.model import FlightPlan, MethodSpec
+from testbed.types import inside
 from testbed.units import DEG
 
 Array = np.ndarray
@@ -146,7 +146,7 @@ def best_lead(family: Manoeuvres, encounter: Encounter, longest_s: float, tolera
     """The least lead from which one of the family keeps the radius: the first on a grid of 0.1 s, bisected; infinite for none."""
 
     def keeps(lead_s: float) -> bool:
-        return best_clearance(family, encounter, lead_s) >= -TOUCH_M
+        return not inside(best_clearance(family, encounter, lead_s))
 
     low = encounter.entry_s
     grid = low + SEARCH_STEP_S * np.arange(1, math.ceil((longest_s - low) / SEARCH_STEP_S) + 1)

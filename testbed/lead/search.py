@@ -8,12 +8,11 @@ import numpy as np
 
 from testbed.flight.decided import Decided
 from testbed.flight.fly import fly
-from testbed.flight.log import TOUCH_M
 from testbed.lead.encounter import Encounter, at_lead, drawn
 from testbed.lead.open_loop import best_lead, manoeuvres
 from testbed.results.metrics import closest_approach
 from testbed.spec.model import FlightPlan
-from testbed.types import Outcome
+from testbed.types import Outcome, inside
 from testbed.units import DEG
 
 LOST = (Outcome.DIVERGED, Outcome.HIT_GROUND, Outcome.TRIM_FAILED)
@@ -49,9 +48,9 @@ def search(plan: FlightPlan) -> Found:
             flown[lead_s] = clearance_at(plan, encounter, lead_s)
         return flown[lead_s]
 
-    lead = least_lead(lambda lead_s: clearance(lead_s) >= -TOUCH_M, study.leads_s, study.tolerance_s, encounter.entry_s)
+    lead = least_lead(lambda lead_s: not inside(clearance(lead_s)), study.leads_s, study.tolerance_s, encounter.entry_s)
     grid = [clearance(lead_s) for lead_s in study.leads_s]
-    kept = [value >= -TOUCH_M for value in grid]
+    kept = [not inside(value) for value in grid]
     own = encounter.obstacle_vel_mps + encounter.closing_mps
     speed = float(np.linalg.norm(encounter.obstacle_vel_mps))
     cross = float(encounter.obstacle_vel_mps @ own) / (speed * float(np.linalg.norm(own))) if speed > 0.0 else math.nan

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.special import expit
-from scipy.stats import beta, binom
+from scipy.stats import binom
 
+from testbed.paper.verdict.stats import share_at_least
 from testbed.seeds import stream
 
 Array = np.ndarray
@@ -41,14 +42,9 @@ def quantile(values: Sequence[float], share: float) -> Estimate:
     return Estimate(ordered[max(0, math.ceil(share * n - 1e-9) - 1)], low, high)
 
 
-def lower_bound(kept: int, of: int) -> float:
-    """One-sided 95 % lower bound of a share (Clopper and Pearson); 299 of 299 are needed for 0.99."""
-    return float(beta.ppf(1.0 - CONFIDENCE, kept, of - kept + 1)) if kept else 0.0
-
-
 def shown_from(leads_s: Sequence[float], kept: Array) -> float:
     """The least lead of the grid at which, and at every longer one, 99 % is shown; infinite for none. ``kept`` (n, leads), 0 or 1."""
-    bounds = [lower_bound(int(column.sum()), len(column)) >= SHOWN for column in kept.T]
+    bounds = [share_at_least(int(column.sum()), len(column)) >= SHOWN for column in kept.T]
     return next((lead for k, lead in enumerate(leads_s) if all(bounds[k:])), math.inf)
 
 

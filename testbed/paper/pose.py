@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbed.airframe.courses import turn_radius_m
+from testbed.airframe.courses import turn_radius_at
 from testbed.flight.aircraft import Limits
 from testbed.flight.plants.kinematic import coordinated
 from testbed.frames import Vec3, vec3
@@ -61,7 +61,7 @@ def pose_reach(pos_m: Vec3, vel_mps: Vec3, insertion_m: Vec3, command_mps: Vec3,
         bank_deg=bank / DEG,
         load_factor=most,
         load_factor_least=least,
-        level_turn_radius_m=turn_radius_m(speed, limits.load_factor_max),
+        level_turn_radius_m=turn_radius_at(speed, limits.load_factor_max),
         steepest_radius_m=speed * speed / (G0_MPS2 * (limits.load_factor_max + 1.0)),
         reachable=within and limits.speed_min_mps <= speed <= limits.speed_max_mps,
     )

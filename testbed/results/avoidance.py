@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbed.flight.log import TOUCH_M
 from testbed.flight.traffic import least_clearance
-from testbed.types import FlightRecord, ReplanEvent
+from testbed.types import FlightRecord, ReplanEvent, inside
 from testbed.units import DEG
 
 Array = np.ndarray
@@ -80,7 +79,7 @@ def clear_row(record: FlightRecord, first: int, end: int) -> int | None:
         relative = (record.columns[f"obstacle.{spec.name}.pos_enu_m"] - record.columns["own.pos_enu_m"])[first : end + 1]
         moving = (record.columns[f"obstacle.{spec.name}.vel_enu_mps"] - record.columns["own.vel_enu_mps"])[first : end + 1]
         least = np.minimum.accumulate(record.columns[f"obstacle.{spec.name}.clearance_m"][first : end + 1][::-1])[::-1]
-        clear &= (np.einsum("ij,ij->i", relative, moving) > 0.0) & (least >= -TOUCH_M)
+        clear &= (np.einsum("ij,ij->i", relative, moving) > 0.0) & ~inside(least)
     found = np.flatnonzero(clear)
     return first + int(found[0]) if len(found) else None
 

@@ -8,7 +8,7 @@ from statistics import median
 from typing import Any
 
 from testbed.results.checks import CheckResult
-from testbed.show.columns import BY_KEY, SUMMARISED, value
+from testbed.show.columns import BY_KEY, SUMMARISED, collided, value
 from testbed.show.story import number
 
 Row = dict[str, Any]
@@ -139,7 +139,7 @@ def _title(name: str) -> str:
 
 
 def _collided(rows: Sequence[Row]) -> str:
-    hits = sum(value(row, "least_clearance_m") < 0.0 for row in rows)
+    hits = sum(collided(row) for row in rows)
     text = f"{hits} of {counted(len(rows), 'flight')}"
     if len(rows) >= 10:
         low, high = wilson(hits, len(rows))
@@ -152,7 +152,7 @@ def _comparison(avoiding: Sequence[Pair]) -> list[str]:
     if not avoiding:
         return []
     points, flown = [pair.kinematic for pair in avoiding], [pair.flown for pair in avoiding]
-    kept, still = (sum(value(row, "least_clearance_m") >= 0.0 for row in side) for side in (points, flown))
+    kept, still = (sum(not collided(row) for row in side) for side in (points, flown))
     return [
         f"Safe? Where an aircraft re-planned ({counted(len(avoiding), 'flight')}), the point kept its clearance in {kept} of the same "
         f"encounters, the aircraft in {still}. The least clearance of the point was {_span(points, 'least_clearance_m')}, "
@@ -175,7 +175,7 @@ def _span(rows: Sequence[Row], key: str) -> str:
 def cards(rows: Sequence[Row]) -> list[dict[str, str]]:
     """Headline numbers; the worst ones are of flown flights where there are any."""
     flown = [row for row in rows if row["plant"] != "kinematic"] or list(rows)
-    hits = sum(value(row, "least_clearance_m") < 0.0 for row in rows)
+    hits = sum(collided(row) for row in rows)
     made = [
         {"number": str(len(rows)), "name": "flights", "note": outcomes(rows), "tone": ""},
         {
@@ -190,7 +190,7 @@ def cards(rows: Sequence[Row]) -> list[dict[str, str]]:
         known = [row for row in flown if math.isfinite(value(row, key))]
         if known:
             worst = (min if column.worse == "low" else max)(known, key=lambda row: value(row, key))
-            tone = "bad" if key == "least_clearance_m" and value(worst, key) < 0.0 else ""
+            tone = "bad" if key == "least_clearance_m" and collided(worst) else ""
             name = column.heading if column.worse == "low" else f"largest {column.heading.removesuffix(' max')}"
             made.append(
                 {

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from testbed.show.story import number
+from testbed.types import inside
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,11 @@ def value(row: Mapping[str, Any], key: str) -> float:
     """A number of a row; NaN if it is missing, whichever way that is written."""
     found = row.get(key)
     return math.nan if found is None else float(found)
+
+
+def collided(row: Mapping[str, Any]) -> bool:
+    """Did the flight of a row come inside of an obstacle?"""
+    return bool(inside(value(row, "least_clearance_m")))
 
 
 METRICS = (

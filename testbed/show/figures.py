@@ -6,7 +6,7 @@ from typing import Any
 
 from testbed.show import palette
 from testbed.show.answer import Row, circumstances, flyer
-from testbed.show.columns import value
+from testbed.show.columns import collided, value
 
 MOST_PER_GROUP = 30
 MOST_IN_ALL = 150  # keeps the page under 3 MB
@@ -48,8 +48,7 @@ def figure_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]
             )
             if len({other["replicate"] for other in members}) > 1:
                 name += f", no. {row['replicate']}"
-            clearance = value(row, "least_clearance_m")
-            told = {"name": name, "collided": clearance < 0.0, "nearest_s": _or_none(value(row, "time_at_least_clearance_s"))}
+            told = {"name": name, "collided": collided(row), "nearest_s": _or_none(value(row, "time_at_least_clearance_s"))}
             flights[row["flight_id"]] = told | style | curves[row["flight_id"]]
     # First the encounter in which most flights re-planned.
     busy = [sum(bool(row["replans"]) for row in members) for members in by_encounter.values()]

@@ -11,7 +11,7 @@ from testbed.results.checks import CheckResult
 from testbed.show import answer
 from testbed.show.answer import Row
 from testbed.show.assets import Lead, asset, environment, packed_json, plotly
-from testbed.show.columns import BY_KEY, DECISION_TERMS, METRICS, SUMMARISED, value
+from testbed.show.columns import BY_KEY, DECISION_TERMS, METRICS, SUMMARISED, collided, value
 from testbed.show.figures import figure_data
 from testbed.show.histogram import histograms
 from testbed.show.story import level_turn, number, radius_m
@@ -92,7 +92,7 @@ def _flight(row: Row, axes: Sequence[str]) -> dict[str, Any]:
         "flyer": answer.flyer(row),
         "method": row["method"],
         "cells": [{"text": column.text(row), "sort": _sortable(value(row, column.key))} for column in METRICS],
-        "collided": value(row, "least_clearance_m") < 0.0,
+        "collided": collided(row),
         "message": row["message"],
         "recording": row["recording"],
     }
@@ -165,7 +165,7 @@ def _decision(row: Row, event: Row, axes: Sequence[str]) -> dict[str, Any]:
         "method": event["method"],
         "obstacle": event["obstacle"],
         "decision": str(event["decision"]).replace("_", " "),
-        "done": event["decision"] == "replanned",
+        "done": event["decision"] in ("replanned", "rejoined"),
         "cells": [
             number(value(event, "time_s"), 2),
             motion("own_vel_enu_mps"),

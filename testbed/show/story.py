@@ -91,6 +91,9 @@ def radius_m(curvature_1pm: float) -> float:
 
 def event_sentence(event: ReplanEvent) -> str:
     """One line of the event log."""
+    if event.decision == "rejoined":
+        back = f"way back of {number(event.planned_length_m, 0)} m planned, {number(event.route_miss_m, 0)} m from the centre at least"
+        return f"{event.obstacle}: clear, {back}"
     if event.decision != "replanned":
         return f"{event.obstacle}: {event.method} kept the path, {event.decision.replace('_', ' ')} (status {event.status})"
     azimuth, elevation = direction_deg(event.command_enu_mps)

@@ -1,7 +1,8 @@
 """A population of encounters: one obstacle for each replicate, drawn about a straight stretch of the own path."""
 
 import math
-from typing import Annotated, Any
+from collections.abc import Iterator
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -13,6 +14,33 @@ from testbed.spec.base import Direction, NonNegative, Point, Positive, Section
 NAME = "O"
 """Of the obstacle that is drawn."""
 MOST_DRAWS = 20_000
+
+
+class Draw(NamedTuple):
+    """What is random in an encounter: the obstacle's speed, direction (unit vector (3,)) and radius, the miss, and the angle of the miss
+    vector about the relative velocity.
+    """
+
+    speed_mps: float
+    direction: np.ndarray
+    radius_m: float
+    miss_m: float
+    around_rad: float
+
+
+def draws(seed: int, replicate: int, speed_mps: tuple[float, float], radius_m: tuple[float, float]) -> Iterator[Draw]:
+    """Encounters of a replicate, in order, for as long as anybody will look: speed and radius even in their ranges, direction even on
+    the sphere, the miss even in area on the disc of the radius.
+    """
+    rng = stream(seed, replicate, "encounter")
+    for _ in range(MOST_DRAWS):
+        speed, sine, azimuth, radius, share, around = rng.uniform(size=6)
+        speed = speed_mps[0] + speed * (speed_mps[1] - speed_mps[0])
+        radius = radius_m[0] + radius * (radius_m[1] - radius_m[0])
+        sine, azimuth = 2.0 * sine - 1.0, math.tau * azimuth  # even on the sphere: Archimedes
+        flat = math.sqrt(1.0 - sine * sine)
+        direction = np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), sine])
+        yield Draw(speed, direction, radius, radius * math.sqrt(share), math.tau * around)
 
 
 class NoEncounterError(Exception):
@@ -80,22 +108,15 @@ class Encounters(Section):
 
     def drawn(self, own_speed_mps: float, seed: int, replicate: int) -> dict[str, Any]:
         """The obstacle of one replicate, as a YAML would say it. Raises ``NoEncounterError``."""
-        rng = stream(seed, replicate, "encounter")
         own_vel = own_speed_mps * np.array(unit_from_direction(*self.own_direction_deg))
-        for _ in range(MOST_DRAWS):
-            speed, sine, azimuth, radius, share, around = rng.uniform(size=6)
-            speed = self.obstacle_speed_mps[0] + speed * (self.obstacle_speed_mps[1] - self.obstacle_speed_mps[0])
-            radius = self.radius_m[0] + radius * (self.radius_m[1] - self.radius_m[0])
-            sine, azimuth = 2.0 * sine - 1.0, math.tau * azimuth  # even on the sphere: Archimedes
-            flat = math.sqrt(1.0 - sine * sine)
-            direction = np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), sine])
-            relative_vel = speed * direction - own_vel
-            miss = radius * math.sqrt(share)  # even in area
-            time_s = self._time_to_cpa(miss, float(np.linalg.norm(relative_vel)))
-            offset = miss * _perpendicular(relative_vel, math.tau * around) - time_s * relative_vel if time_s <= self.longest_s else None
-            if offset is not None and np.linalg.norm(offset) > radius:
-                place = vec3(np.array(self.own_at_enu_m) + offset)
-                return self._obstacle(radius, place, speed, direction_deg(vec3(direction)))
+        for one in draws(seed, replicate, self.obstacle_speed_mps, self.radius_m):
+            relative_vel = one.speed_mps * one.direction - own_vel
+            time_s = self._time_to_cpa(one.miss_m, float(np.linalg.norm(relative_vel)))
+            if time_s <= self.longest_s:
+                offset = one.miss_m * perpendicular(relative_vel, one.around_rad) - time_s * relative_vel
+                if np.linalg.norm(offset) > one.radius_m:
+                    place = vec3(np.array(self.own_at_enu_m) + offset)
+                    return self._obstacle(one.radius_m, place, one.speed_mps, direction_deg(vec3(one.direction)))
         raise NoEncounterError
 
     def _time_to_cpa(self, miss_m: float, closing_mps: float) -> float:
@@ -114,7 +135,7 @@ class Encounters(Section):
         }
 
 
-def _perpendicular(vector: np.ndarray, angle: float) -> np.ndarray:
+def perpendicular(vector: np.ndarray, angle: float) -> np.ndarray:
     """Unit vector (3,) perpendicular to ``vector`` (3,), at that angle (rad) about it; zero for a vector of length 0."""
     along = vector / (np.linalg.norm(vector) or 1.0)
     across = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])

@@ -11,7 +11,8 @@ from testbed.flight.fly import start_of
 from testbed.flight.parts import GUIDANCE, PLANTS
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import State
-from testbed.flight.replan import Memory, Planner, resized
+from testbed.flight.rejoin import resized
+from testbed.flight.replan import Memory, Planner
 from testbed.flight.scene import make_scene
 from testbed.frames import vec3, wind_enu_from_compass
 from testbed.spec.model import FlightPlan

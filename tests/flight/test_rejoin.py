@@ -1,6 +1,7 @@
 """Answers without an insertion point, and ways back: what a velocity obstacle promises, and no second conflict."""
 
 import math
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ from testbed import fly, measure
 from testbed.chain import Chain
 from testbed.flight.rejoin import miss_along
 from testbed.flight.traffic import Track
+from testbed.show.columns import collided
+from testbed.show.story import event_sentence
 from testbed.types import FlightRecord, Outcome
 from tests.plans import GTM, KINEMATIC, paper_obstacle, plan
 from vosc import ph
@@ -123,3 +126,17 @@ def test_the_tail_of_a_curve_is_the_curve(share: float) -> None:
     for s in np.linspace(0.0, tail.length_m, 7):
         for mine, whole in zip(tail.frame(s), curve.frame(share * curve.length_m + s), strict=True):
             assert np.allclose(mine, whole, atol=1e-9)
+
+
+def test_a_touch_is_told_as_no_collision_and_the_way_back_as_what_it_is() -> None:
+    """The point that turns at once passes at the radius, less what rounding takes: nothing may call that a hit."""
+    record = crossing(DIRECT | {"swell_m": 0})
+    metrics = measure(record)
+    shaved = asdict(metrics) | {"least_clearance_m": -1e-13}
+    assert not collided(shaved)
+    assert collided(shaved | {"least_clearance_m": -2e-6})
+    assert not collided(shaved | {"least_clearance_m": math.nan})
+    first, back = (event_sentence(event) for event in record.events)
+    assert "re-planned" in first
+    assert "way back" in back
+    assert "kept the path" not in back

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from testbed import fly, measure
 from testbed.flight.plants.base import State
-from testbed.flight.replan import may_threaten, resized
+from testbed.flight.rejoin import resized
+from testbed.flight.replan import may_threaten
 from testbed.flight.traffic import Track
 from tests.plans import KINEMATIC, paper_obstacle, plan
 from vosc import Obstacle, Own, threat

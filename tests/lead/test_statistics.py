@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import binomtest
 
-from testbed.lead.statistics import bootstrap, cost, logistic, lower_bound, quantile, shown_from
+from testbed.lead.statistics import bootstrap, cost, logistic, quantile, shown_from
+from testbed.paper.verdict.stats import share_at_least
 
 
 def test_the_median_of_twenty_lies_between_the_sixth_and_the_fifteenth() -> None:
@@ -29,12 +30,12 @@ def test_what_the_sample_cannot_bound_is_infinite() -> None:
 
 
 def test_ninety_nine_per_cent_takes_299_flights_without_a_failure() -> None:
-    assert lower_bound(299, 299) >= 0.99 > lower_bound(298, 298)
-    assert lower_bound(299, 300) < 0.99
+    assert share_at_least(299, 299) >= 0.99 > share_at_least(298, 298)
+    assert share_at_least(299, 300) < 0.99
     for kept, of in ((290, 300), (1, 40), (20, 40), (40, 40)):
         truth = binomtest(kept, of, alternative="greater").proportion_ci(0.95, "exact").low
-        assert lower_bound(kept, of) == pytest.approx(truth, abs=1e-9)
-    assert lower_bound(0, 40) == 0.0
+        assert share_at_least(kept, of) == pytest.approx(truth, abs=1e-9)
+    assert share_at_least(0, 40) == 0.0
 
 
 def test_shown_means_at_that_lead_and_every_longer_one() -> None:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from testbed.airframe.courses import turn_radius, turn_radius_m
+from testbed.airframe.courses import turn_radius, turn_radius_at
 from testbed.flight.aircraft import load_aircraft
 from testbed.frames import unit_from_direction
 from testbed.paper.pose import pose_reach
@@ -15,8 +15,8 @@ LIMITS = load_aircraft("gtm_t2").limits
 
 
 def test_turn_radius_at_a_load_factor_is_that_at_its_bank():
-    assert turn_radius_m(50.0, 2.0) == pytest.approx(turn_radius(50.0, math.acos(1 / 2.0)))
-    assert turn_radius_m(50.0, 1.0) == math.inf
+    assert turn_radius_at(50.0, 2.0) == pytest.approx(turn_radius(50.0, math.acos(1 / 2.0)))
+    assert turn_radius_at(50.0, 1.0) == math.inf
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

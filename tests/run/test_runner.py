@@ -1,77 +1,20 @@
-import csv
 import errno
 import fcntl
 import json
-import math
 import os
 import shutil
 from pathlib import Path
 
 import pytest
 
-from testbed.run import identity, keep, runner
+from testbed.run import identity, runner
 from testbed.run.directory import BadInputError
-from testbed.run.engines import LocalEngine, attempt
 from testbed.run.replay import replay
-from testbed.run.runner import Order
 from testbed.spec import SpecError
 from tests.run import fakes
+from tests.run.little import CAMPAIGN, STABLE, contents, flown, fly, little_campaign, stop_after
 
-CAMPAIGN = """\
-name: little
-question: Does the run directory keep what it is given?
-seed: 5
-replicates: 4
-route: {start_enu_m: [0, 0, 0], goal_enu_m: [500, 200, 100], start_direction_deg: [40.87, 26.13], goal_direction_deg: [10.00, 2.84]}
-recordings: none
-plant: {kind: kinematic}
-sweep:
-  method.kind: [none, scoam]
-"""
-STABLE = ("results.csv", "results.parquet", "index.html")
-
-
-@pytest.fixture(autouse=True)
-def _little_campaign(monkeypatch, tmp_path):
-    monkeypatch.setattr("testbed.show.page.render_page", fakes.page)
-    monkeypatch.setattr(identity, "code_hash", lambda: "c0de")
-    monkeypatch.setenv("FLOWN", str(tmp_path / "flown"))
-    (tmp_path / "little.yaml").write_text(CAMPAIGN)
-
-
-class Here:
-    """An engine without processes."""
-
-    name, workers = "here", 1
-
-    def imap(self, fn, items):
-        for number, item in enumerate(items):
-            yield number, attempt(fn, item)
-
-
-def fly(folder, *, workers=None, job=fakes.fly, **settings):
-    settings = {"source": folder / "little.yaml", "out": folder / "out"} | settings
-    engine = LocalEngine(workers) if workers else Here()
-    return runner.run(Order(engine=engine, command=("testbed", "run"), job=job, **settings))
-
-
-def flown(folder):
-    marks = folder / "flown"
-    return marks.read_text().split() if marks.exists() else []
-
-
-def contents(directory):
-    return {path.relative_to(directory).as_posix(): path.read_bytes() for path in sorted(directory.rglob("*")) if path.is_file()}
-
-
-def stop_after(count):
-    """A progress function that presses Ctrl-C."""
-
-    def show(done, _total, _crashed):
-        if done == count:
-            raise KeyboardInterrupt
-
-    return show
+__all__ = ["little_campaign"]  # every test here has it
 
 
 def test_a_run_directory_holds_what_it_should(tmp_path):
@@ -306,66 +249,6 @@ def test_what_is_no_run_directory_is_refused(tmp_path, directory):
     assert list(contents(tmp_path)) == ["little.yaml"]
 
 
-@pytest.mark.parametrize(("kept", "count"), [("all", 8), ("selected", 2), ("none", 0)])
-def test_recordings_are_kept_as_asked(tmp_path, kept, count):
-    directory = fly(tmp_path, overrides=(f"recordings={kept}",)).directory
-    rows = [json.loads(line)["row"] for line in (directory / "rows.jsonl").read_text().splitlines()]
-    named = {row["recording"] for row in rows if row["recording"]}
-    assert named == {f"recordings/{path.name}" for path in (directory / "recordings").glob("*")}
-    assert len(named) == count
-    if kept == "selected":
-        assert {row["replicate"] for row in rows if row["recording"]} == {0}
-
-
-@pytest.mark.parametrize(("kept", "replicates"), [("all", {0, 1, 2, 3}), ("selected", {0}), ("none", set())])
-def test_raw_columns_are_kept_as_asked_and_cleared_with_the_run(tmp_path, kept, replicates):
-    directory = fly(tmp_path, overrides=(f"columns={kept}",)).directory
-    flights = json.loads((directory / "plan.json").read_text())["flights"]
-    expected = {f"{flight['flight_id']}.parquet" for flight in flights if flight["replicate"] in replicates}
-    assert {path.name for path in (directory / "columns").glob("*")} == expected
-    fly(tmp_path, overrides=("columns=none",), fresh=True)
-    assert not list((directory / "columns").glob("*"))
-
-
-def test_series_are_kept_for_the_first_cells_only_however_the_run_is_cut(tmp_path, monkeypatch):
-    monkeypatch.setattr(keep, "SERIES", 1)
-    with pytest.raises(KeyboardInterrupt):
-        fly(tmp_path, progress=stop_after(6))
-    directory = fly(tmp_path).directory
-    first = json.loads((directory / "plan.json").read_text())["flights"][0]["flight_id"]
-    assert json.loads((directory / "index.html").read_text())[2] == {first: {"z_m": [0.0, math.pi]}}
-
-
-PARTS = """\
-parts:
-  many: {recordings: all, sweep: {sensor.range_m: [1, 2, 3, 4, 5, 6]}, replicates: 2}
-  few: {sweep: {method.kind: [none, scoam]}, recordings: selected}
-  one: {replicates: 3}
-"""
-
-
-def test_each_part_is_recorded_and_drawn_in_its_own_right(tmp_path, monkeypatch):
-    """Ten flights have a first replicate, six of them in the first part; four series are one of each part, then one more."""
-    monkeypatch.setattr(keep, "SERIES", 4)
-    (tmp_path / "little.yaml").write_text(CAMPAIGN.partition("sweep:")[0] + PARTS)
-    directory = fly(tmp_path).directory
-    with (directory / "results.csv").open(newline="") as table:
-        rows = list(csv.DictReader(table))
-    assert [(row["label.part"], row["label.sensor.range_m"], row["label.method.kind"]) for row in rows] == [
-        *[("many", str(k // 2 + 1), "") for k in range(12)],
-        *[("few", "", method) for method in ("none", "scoam") for _ in range(4)],
-        *[("one", "", "")] * 3,
-    ]
-    kept = {row["flight_id"]: (row["cell"], row["replicate"]) for row in rows}
-    series = json.loads((directory / "index.html").read_text())[2]
-    assert {kept[flight_id] for flight_id in series} == {("many/1", "0"), ("many/2", "0"), ("few/none", "0"), ("one", "0")}
-    recorded = [kept[path.stem] for path in (directory / "recordings").glob("*")]
-    assert sorted(recorded) == sorted([*[(f"many/{k}", r) for k in range(1, 7) for r in "01"], ("few/none", "0"), ("few/scoam", "0")])
-    before = contents(directory)
-    runner.report(directory)
-    assert contents(directory) == before
-
-
 def test_overrides_reach_the_flights_and_are_noted(tmp_path):
     directory = fly(tmp_path, overrides=("seed=9", "replicates=1")).directory
     assert [line.split(",")[3] for line in (directory / "results.csv").read_text().splitlines()[1:]] == ["9", "9"]
@@ -378,38 +261,6 @@ def test_a_bad_campaign_leaves_a_run_alone(tmp_path):
     with pytest.raises(SpecError):
         fly(tmp_path, fresh=True)
     assert contents(tmp_path / "out") == before
-
-
-@pytest.mark.slow
-def test_a_replay_equals_its_row_and_records(tmp_path):
-    directory = fly(tmp_path).directory
-    flight = json.loads((directory / "plan.json").read_text())["flights"][5]["flight_id"]
-    again = replay(directory, flight[:8], job=fakes.fly)
-    assert (again.flight_id, again.differences, again.same_code) == (flight, [], True)
-    assert again.recording == directory.resolve() / "recordings" / f"{flight}.rrd"
-    assert again.recording.exists()
-    elsewhere = replay(directory, flight, tmp_path / "x.rrd", job=fakes.fly)
-    assert (tmp_path / "x.rrd").exists()
-    assert elsewhere.differences == []
-
-
-@pytest.mark.slow
-def test_a_replay_that_differs_says_where(tmp_path):
-    directory = fly(tmp_path).directory
-    rows = directory / "rows.jsonl"
-    lines = [json.loads(line) for line in rows.read_text().splitlines()]
-    lines[0]["row"]["max_bank_deg"] = 1.5
-    rows.write_text("".join(json.dumps(line) + "\n" for line in lines))
-    again = replay(directory, lines[0]["row"]["flight_id"], tmp_path / "x.rrd", job=fakes.fly)
-    (difference,) = again.differences
-    assert difference.startswith("max_bank_deg: 1.5 there, ")
-
-
-@pytest.mark.parametrize(("wanted", "message"), [("zzz", "no flight 'zzz'; there are "), ("", "several flights begin with ''")])
-def test_a_replay_of_no_one_flight_is_refused(tmp_path, wanted, message):
-    directory = fly(tmp_path).directory
-    with pytest.raises(BadInputError, match=message):
-        replay(directory, wanted)
 
 
 def test_the_default_directory_is_named_after_the_campaign(tmp_path, monkeypatch):

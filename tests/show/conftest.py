@@ -1,7 +1,9 @@
 """A flight in closed form: a level circular arc at constant speed past one obstacle, with one decision in it."""
 
 import math
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from testbed.types import FlightMetrics, FlightRecord, Outcome, PlannedPath, Rep
 from testbed.units import DEG, G0_MPS2
 from vosc import ph
 
+CHROMIUM = shutil.which("chromium")
 SPEED_MPS, RADIUS_M, HZ = 50.0, 400.0, 120
 TURN_RADPS = SPEED_MPS / RADIUS_M
 BANK_RAD = math.atan(SPEED_MPS**2 / (RADIUS_M * G0_MPS2))
@@ -159,3 +162,17 @@ def make_record() -> Callable[..., FlightRecord]:
 @pytest.fixture
 def make_metrics() -> Callable[[FlightRecord], FlightMetrics]:
     return metrics
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """Chromium, or a skip."""
+    if CHROMIUM is None:
+        pytest.skip("no chromium (Debian: chromium)")
+    from playwright.sync_api import sync_playwright
+
+    flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"]
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
+        yield opened
+        opened.close()

@@ -4,8 +4,7 @@ import base64
 import gzip
 import json
 import math
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import asdict
 from html.parser import HTMLParser
 from pathlib import Path
@@ -23,7 +22,6 @@ from testbed.types import FlightMetrics, FlightRecord
 MakeRecord = Callable[..., FlightRecord]
 MakeMetrics = Callable[[FlightRecord], FlightMetrics]
 Row = dict[str, Any]
-CHROMIUM = shutil.which("chromium")
 NASTY = "</script><script>alert(1)</script><img src=x onerror=alert(2)> & \"q\" 'a'"
 PROVENANCE = {"name": "closed-form", "plan hash": "0a1b2c", "versions": {"jsbsim": "1.3.3"}, "seed": 7}
 
@@ -214,19 +212,6 @@ def test_flights_that_failed_or_never_began_are_listed(four: tuple[list[Row], di
 
 def test_no_flight_at_all() -> None:
     assert "No flight was flown." in render_page(campaign(), [], {}, PROVENANCE)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    if CHROMIUM is None:
-        pytest.skip("no chromium (Debian: chromium)")
-    from playwright.sync_api import sync_playwright
-
-    flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"]
-    with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
-        yield opened
-        opened.close()
 
 
 @pytest.mark.slow

@@ -2,8 +2,7 @@
 
 import math
 import re
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -25,7 +24,6 @@ from tests.show.test_page import NASTY, PROVENANCE, campaign, flight, parsed
 MakeRecord = Callable[..., FlightRecord]
 MakeMetrics = Callable[[FlightRecord], FlightMetrics]
 Row = dict[str, Any]
-CHROMIUM = shutil.which("chromium")
 NAN = math.nan
 NO_EFFECT = Effect("", "", NAN, NAN, NAN, 0)
 
@@ -285,19 +283,6 @@ def test_the_verdict_comes_first_and_the_ordinary_page_is_folded_below(
     plain = render_page(campaign(), *flown, PROVENANCE)
     assert "<details" not in plain
     assert "verdict-data" not in [attributes.get("id") for _, attributes in parsed(plain).tags]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    if CHROMIUM is None:
-        pytest.skip("no chromium (Debian: chromium)")
-    from playwright.sync_api import sync_playwright
-
-    flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"]
-    with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
-        yield opened
-        opened.close()
 
 
 @pytest.mark.slow

@@ -8,8 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from testbed.flight.log import TOUCH_M
-from testbed.types import Outcome
+from testbed.types import TOUCH_M, Outcome
 
 Row = Mapping[str, Any]
 

@@ -8,7 +8,7 @@ from testbed.show.palette import rgba
 from testbed.show.recording import timeline
 from testbed.show.story import OUTCOME_TEXT, changes, event_sentence, leg_names
 from testbed.show.velocity_space import Sight
-from testbed.types import FlightRecord
+from testbed.types import FlightRecord, inside
 from testbed.units import DEG
 
 # Entity below "signals", column of the record, factor to the unit shown, name in the legend, colour.
@@ -90,11 +90,13 @@ def _log_events(stream: rr.RecordingStream, record: FlightRecord) -> None:
     outcome = record.outcome.value
     ending = record.message or OUTCOME_TEXT.get(outcome, outcome)
     lines = [(float(time_s[0]), "INFO", f"start: {record.plan.plant.kind}, method {record.plan.method.kind}")]
-    lines += [(event.time_s, "INFO" if event.decision == "replanned" else "WARN", event_sentence(event)) for event in record.events]
+    lines += [
+        (event.time_s, "INFO" if event.decision in ("replanned", "rejoined") else "WARN", event_sentence(event)) for event in record.events
+    ]
     for spec in record.plan.obstacles:
-        inside = record.columns[f"obstacle.{spec.name}.clearance_m"] < 0.0
-        if inside.any():
-            lines.append((float(time_s[int(np.argmax(inside))]), "ERROR", f"collision with {spec.name}"))
+        hit = inside(record.columns[f"obstacle.{spec.name}.clearance_m"])
+        if hit.any():
+            lines.append((float(time_s[int(np.argmax(hit))]), "ERROR", f"collision with {spec.name}"))
     lines.append((float(time_s[-1]), "INFO" if outcome == "reached" else "ERROR", f"end: {ending}"))
     lines.sort(key=lambda line: line[0])
     texts, levels = [line[2] for line in lines], [line[1] for line in lines]

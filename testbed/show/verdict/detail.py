@@ -9,11 +9,11 @@ from testbed.show.story import number
 from testbed.show.verdict import wording
 from testbed.show.verdict.prose import p_value
 from testbed.show.verdict.wording import AIRCRAFT, DASH, IN_AIR, LIMITS, METHODS, READINGS, RUNGS, named
+from testbed.types import inside
 
 if TYPE_CHECKING:
     from testbed.paper.verdict.model import AirCell, Case
 
-KEPT_M = -1e-6  # clearance from which the radius counts as kept: what is less than that is rounding
 DESIGNS = {
     "anchored": (
         "Anchored: the same encounter in every wind",
@@ -146,7 +146,9 @@ def waterfall_table(falls: Sequence[Waterfall]) -> dict[str, Any]:
         rows.append(
             {
                 "place": [named(READINGS, fall.encounter), named(AIRCRAFT, fall.aircraft), named(METHODS, fall.method)],
-                "cells": [{"text": number(x, 1), "sort": sortable(x), "bad": k < len(rungs) and x < KEPT_M} for k, x in enumerate(figures)],
+                "cells": [
+                    {"text": number(x, 1), "sort": sortable(x), "bad": k < len(rungs) and bool(inside(x))} for k, x in enumerate(figures)
+                ],
             }
         )
     headings = [named(RUNGS, rung) for rung in rungs]
@@ -178,7 +180,7 @@ def case_table(cases: "Sequence[Case]") -> dict[str, Any]:
             {
                 "place": [named(READINGS, c.encounter), named(AIRCRAFT, c.aircraft), named(RUNGS, c.rung), named(METHODS, c.method)],
                 "cells": [
-                    {"text": number(x, wording.DIGITS.get(unit, 2)), "sort": sortable(x), "bad": key == "clearance_m" and x < KEPT_M}
+                    {"text": number(x, wording.DIGITS.get(unit, 2)), "sort": sortable(x), "bad": key == "clearance_m" and bool(inside(x))}
                     for key, _, unit in CASE_COLUMNS
                     for x in (getattr(c, key),)
                 ],

@@ -8,7 +8,7 @@ from testbed.catalogue import aircraft_folders
 from testbed.flight.aircraft import load_aircraft
 from testbed.show import palette
 from testbed.show.answer import Row
-from testbed.show.columns import value
+from testbed.show.columns import collided, value
 from testbed.show.story import number
 from testbed.show.verdict.wording import AIRCRAFT, ENCOUNTER, METHOD, named
 
@@ -75,7 +75,7 @@ def picture_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None
         name = str(row["aircraft"])
         panel = aircraft.setdefault(name, {"name": named(AIRCRAFT, name), "limits": _limits(name), "flights": {}})
         panel["flights"][one.key] = {
-            "collided": value(row, "least_clearance_m") < 0.0,
+            "collided": collided(row),
             **{curve: curves[curve] for curve in CURVES if curve in curves},
         }
     styles = {one.key: {"name": one.name, "light": one.light, "dark": one.dark, "dash": one.dash} for one in SHOWN}
@@ -105,7 +105,7 @@ def flight_list(rows: Sequence[Row]) -> list[dict[str, Any]]:
             "aircraft": named(AIRCRAFT, str(row["aircraft"])),
             "name": one.name,
             "clearance": number(value(row, "least_clearance_m"), 1),
-            "bad": value(row, "least_clearance_m") < -1e-6,
+            "bad": collided(row),
             "needs": [
                 number(value(row, key), digits) for key, digits in (("max_bank_deg", 0), ("max_load_factor", 1), ("max_roll_rate_dps", 0))
             ],
