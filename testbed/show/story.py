@@ -24,7 +24,7 @@ OUTCOME_TEXT = {
 
 
 LEGEND = """### Reading the pictures
-Scene: grey the original path, yellow to the insertion point, green back to the goal, blue the trail flown; the aeroplane is drawn larger
+Scene: grey the original path, yellow the avoidance, green the way back, blue the trail flown; the aeroplane is drawn larger
 than life at its true position and attitude; arrows reach half a second ahead; the grid (50 m) lies on the ground.
 
 Velocity space: the sphere holds the velocities of the present speed, the red cone what would lead to a collision with an obstacle in range,
@@ -67,10 +67,23 @@ def route_size(record: FlightRecord) -> float:
 
 
 def leg_names(record: FlightRecord) -> list[str]:
-    """Per row: ``route`` on the original path, ``avoid`` up to the insertion point, ``rejoin`` after it."""
+    """Per row the name of the piece that was active."""
     index, leg = record.columns["path.index"].astype(int), record.columns["path.leg"].astype(int)
-    last = np.array([len(path.curves) - 1 for path in record.paths])
-    return ["route" if i == 0 else "rejoin" if k >= last[i] else "avoid" for i, k in zip(index, leg, strict=True)]
+    names = [piece_names(record, count) for count in range(len(record.paths))]
+    return [names[i][min(k, len(names[i]) - 1)] for i, k in zip(index, leg, strict=True)]
+
+
+def piece_names(record: FlightRecord, count: int) -> list[str]:
+    """What the pieces of a path are for: ``route``, the original; ``avoid``, to the insertion point or along a direction that is held
+    until the flight is clear; ``rejoin``, back.
+    """
+    path, replan = record.paths[count], record.plan.replan
+    if count == 0:
+        return ["route"] * len(path.curves)
+    if any(event.decision == "rejoined" and event.time_s == path.from_time_s for event in record.events):
+        return ["rejoin"] * len(path.curves)
+    holds = replan.answer == "direct" or replan.rejoin.when == "clear"
+    return ["avoid"] + ["avoid" if holds else "rejoin"] * (len(path.curves) - 1)
 
 
 def changes(values: list[str]) -> list[int]:
@@ -97,10 +110,12 @@ def event_sentence(event: ReplanEvent) -> str:
     if event.decision != "replanned":
         return f"{event.obstacle}: {event.method} kept the path, {event.decision.replace('_', ' ')} (status {event.status})"
     azimuth, elevation = direction_deg(event.command_enu_mps)
+    bend = event.max_curvature_to_insertion_1pm
+    path = f"least radius {number(radius_m(bend), 0)} m" if math.isfinite(bend) else "flown at once"
     return (
         f"{event.obstacle}: {event.method} re-planned, alpha {event.alpha_rad / DEG:.1f} < alpha_0 {event.alpha0_rad / DEG:.1f} deg, "
         f"command ({azimuth:.1f}, {elevation:.1f}) deg, deflection {event.deflection_rad / DEG:.1f} deg, "
-        f"least radius {number(radius_m(event.max_curvature_to_insertion_1pm), 0)} m"
+        f"{path}"
     )
 
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbed.types import FlightRecord
+from testbed.types import FlightRecord, inside
 from vosc import Obstacle, Own, cap, threat
 
 Array = np.ndarray
+EDGE_RAD = 1e-9  # a velocity on the edge of the cone, where a method puts it, is no threat that comes and goes by rounding
 
 
 @dataclass(frozen=True)
@@ -42,19 +43,20 @@ def look(record: FlightRecord, rows: Array) -> list[Sight]:
         pos, vel = columns[f"obstacle.{spec.name}.pos_enu_m"][rows], columns[f"obstacle.{spec.name}.vel_enu_mps"][rows]
         axis = pos - own_pos
         distance = np.linalg.norm(axis, axis=1)
-        in_range = (distance <= plan.sensor.range_m) & (distance > spec.radius_m)
-        half_angle = np.arcsin(np.clip(spec.radius_m / np.maximum(distance, 1e-9), 0.0, 1.0))
+        hit, radius = inside(distance - spec.radius_m), spec.radius_m + plan.replan.swell_m  # the planner's
+        in_range = (distance <= plan.sensor.range_m) & ~hit
+        half_angle = np.arcsin(np.clip(radius / np.maximum(distance, 1e-9), 0.0, 1.0))
         is_threat = np.zeros(len(rows), bool)
         cap_axis, cap_half_angle = np.full((len(rows), 3), math.nan), np.full(len(rows), math.nan)
-        for k in np.flatnonzero(in_range):
-            own, obstacle = Own(tuple(own_pos[k]), tuple(own_vel[k])), Obstacle(tuple(pos[k]), tuple(vel[k]), spec.radius_m)
+        for k in np.flatnonzero(in_range & (distance > radius)):
+            own, obstacle = Own(tuple(own_pos[k]), tuple(own_vel[k])), Obstacle(tuple(pos[k]), tuple(vel[k]), radius)
             test = threat(own, obstacle, plan.replan.horizon_s)
-            is_threat[k] = test.is_threat
+            is_threat[k] = test.is_threat and test.alpha0_rad - test.alpha_rad > EDGE_RAD
             area = cap(own, obstacle) if is_threat[k] else None
             if area is not None and math.isfinite(area.half_angle_rad):
                 flat = math.cos(area.elevation_rad)
                 cap_axis[k] = flat * math.cos(area.azimuth_rad), flat * math.sin(area.azimuth_rad), math.sin(area.elevation_rad)
                 cap_half_angle[k] = area.half_angle_rad
         half_angle[~in_range] = math.nan
-        sights.append(Sight(spec.name, in_range, distance <= spec.radius_m, is_threat, vel, axis, half_angle, cap_axis, cap_half_angle))
+        sights.append(Sight(spec.name, in_range, hit, is_threat, vel, axis, half_angle, cap_axis, cap_half_angle))
     return sights

@@ -11,7 +11,7 @@ from testbed.chain import Chain
 from testbed.flight.rejoin import miss_along
 from testbed.flight.traffic import Track
 from testbed.show.columns import collided
-from testbed.show.story import event_sentence
+from testbed.show.story import event_sentence, leg_names
 from testbed.types import FlightRecord, Outcome
 from tests.plans import GTM, KINEMATIC, paper_obstacle, plan
 from vosc import ph
@@ -140,3 +140,10 @@ def test_a_touch_is_told_as_no_collision_and_the_way_back_as_what_it_is() -> Non
     assert "re-planned" in first
     assert "way back" in back
     assert "kept the path" not in back
+    assert "flown at once" in first
+    legs = leg_names(record)
+    hz = record.plan.rates.plant_hz
+    decided, left = (round(event.time_s * hz) for event in record.events)
+    assert set(legs[:decided]) == {"route"}
+    assert set(legs[decided + 1 : left]) == {"avoid"}
+    assert set(legs[left + 1 :]) == {"rejoin"}

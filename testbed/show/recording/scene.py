@@ -8,7 +8,7 @@ import rerun as rr
 from testbed.show import palette, shapes
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
-from testbed.show.story import number, path_points, route_ends, route_size
+from testbed.show.story import number, path_points, piece_names, route_ends, route_size
 from testbed.types import FlightMetrics, FlightRecord
 
 SYMBOL_SHARE = 0.04  # the aeroplane is drawn larger than life: this share of the route's size, or it could not be seen
@@ -30,10 +30,8 @@ def log_route(stream: rr.RecordingStream, record: FlightRecord) -> None:
         static=True,
     )
     for count, path in enumerate(record.paths):
-        pieces = path_points(path)
-        legs = ["route"] if count == 0 else ["avoid"] * (len(pieces) - 1) + ["rejoin"]
-        colours = [rgba(palette.LEG[leg], 0.9) for leg in (legs if count else legs * len(pieces))]
-        drawn = rr.LineStrips3D(pieces, colors=colours, radii=rr.Radius.ui_points(1.5))
+        colours = [rgba(palette.LEG[leg], 0.9) for leg in piece_names(record, count)]
+        drawn = rr.LineStrips3D(path_points(path), colors=colours, radii=rr.Radius.ui_points(1.5))
         if count == 0:
             stream.log("world/plan/route", drawn, static=True)
         else:
