@@ -1,6 +1,6 @@
 """PH curves joined end to end, addressed by one arc length, straight on before the start and past the end."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -43,19 +43,28 @@ class Chain:
 
     def sample(self, s_m: Array) -> tuple[Array, Array, Array]:
         """Points, unit tangents and curvature vectors, (n,3) each, at arc lengths (n,)."""
-        s_m = np.asarray(s_m, dtype=float)
-        rows = np.empty((len(s_m), 9))
+        rows = self._rows(np.asarray(s_m, dtype=float), lambda curve, s: np.hstack(curve.sample(s)), 9)
+        return rows[:, :3], rows[:, 3:6], rows[:, 6:]
+
+    def points(self, s_m: Array) -> Array:
+        """Points (n,3) at arc lengths (n,)."""
+        return self._rows(np.asarray(s_m, dtype=float), lambda curve, s: curve.points(s), 3)
+
+    def _rows(self, s_m: Array, take: Callable[[ph.Curve, Array], Array], width: int) -> Array:
+        """What ``take`` has of each piece; before the start and past the end the rows of a straight line (point, tangent, no curvature)."""
+        rows = np.empty((len(s_m), width))
         which = np.clip(np.searchsorted(self.starts_m, s_m, side="right") - 1, 0, None)
         inside = (s_m >= 0.0) & (s_m <= self.length_m)
-        for k in np.unique(which[inside]):
-            mine, curve = inside & (which == k), self.curves[k]
-            rows[mine] = np.hstack(curve.sample(np.clip(s_m[mine] - self.starts_m[k], 0.0, curve.length_m)))
+        for k, curve in enumerate(self.curves):
+            mine = inside & (which == k)
+            if mine.any():
+                rows[mine] = take(curve, np.clip(s_m[mine] - self.starts_m[k], 0.0, curve.length_m))
         for outside, end in ((s_m < 0.0, 0.0), (s_m > self.length_m, self.length_m)):
             if outside.any():
                 point, tangent, _ = self.frame(end)
-                rows[outside, :3] = np.asarray(point) + np.outer(s_m[outside] - end, tangent)
-                rows[outside, 3:6], rows[outside, 6:] = tangent, 0.0
-        return rows[:, :3], rows[:, 3:6], rows[:, 6:]
+                beyond = np.asarray(point) + np.outer(s_m[outside] - end, tangent)
+                rows[outside] = np.hstack([beyond, np.broadcast_to((*tangent, 0.0, 0.0, 0.0), (len(beyond), 6))])[:, :width]
+        return rows
 
     def nearest(self, points: Array, guess_s_m: Array | None = None) -> tuple[Array, Array]:
         """Arc lengths (n,) of the nearest points, and the distances (n,), m; past the end the straight line counts.
@@ -107,7 +116,7 @@ class Chain:
             slope = np.maximum(1.0 - np.einsum("ij,ij->i", offset, curvature), 0.25)
             after = np.maximum(0.0, s_m + np.einsum("ij,ij->i", offset, tangent) / slope)
             s_m, step = after, after - s_m
-        distance = np.linalg.norm(points - self.sample(s_m)[0], axis=1)
+        distance = np.linalg.norm(points - self.points(s_m), axis=1)
         return s_m, distance, (np.abs(step) < SETTLED_M) & (distance * self.max_curvature() < 0.5)
 
     def max_curvature(self) -> float:

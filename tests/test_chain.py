@@ -30,6 +30,15 @@ def test_a_circle_is_a_circle() -> None:
     assert np.linalg.norm(chain.frame(math.pi * 600)[0] - points[0]) < 1e-2, "once around"
 
 
+def test_one_by_one_and_many_at_once_are_the_same_before_on_and_past_the_chain() -> None:
+    chain = course(kind="circle", radius_m=300, turns=1.5, side="right")
+    s = np.linspace(-100.0, chain.length_m + 100.0, 301)
+    frames = [chain.frame(float(x)) for x in s]
+    for column, rows in enumerate(chain.sample(s)):
+        np.testing.assert_allclose(rows, [frame[column] for frame in frames], atol=1e-9)
+    np.testing.assert_array_equal(chain.points(s), chain.sample(s)[0])
+
+
 def test_a_racetrack_closes() -> None:
     chain = course(kind="racetrack", straight_m=1000, radius_m=250, laps=2)
     assert chain.length_m == pytest.approx(2 * (2000 + 2 * math.pi * 250), rel=1e-6)

@@ -259,6 +259,10 @@ class Curve:
     def _points(self, t: FloatArray) -> FloatArray:
         return np.stack([horner(p, t) for p in self._position], axis=-1)
 
+    def points(self, s_m: FloatArray) -> FloatArray:
+        """Points (n,3) m at arc lengths (n,): the first of ``sample``, at a third of its cost."""
+        return self._points(self._parameter(np.asarray(s_m, dtype=np.float64)))
+
     def sample(self, s_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Points (n,3) m, unit tangents (n,3), curvature vectors (n,3) 1/m at arc lengths (n,); what ``frame`` gives, vectorised."""
         t = self._parameter(np.asarray(s_m, dtype=np.float64))

@@ -9,6 +9,7 @@ the command.
 """
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from testbed.flight.aircraft import Aircraft, Limits
@@ -63,7 +64,7 @@ class BankToTurn:
         self._n_per_speed2 = 1.0 / limits.alpha_max_1g_mps**2
         self._per_slowest = UNLOAD / limits.speed_min_mps
 
-    def solve(self, left: float, soon: float, up: float, state: State) -> tuple[float, float, float]:
+    def solve(self, left: float, soon: float, up: float, bank_now: float, airspeed: float) -> tuple[float, float, float]:
         """Bank (rad), load factor, and which limits cut them; demands in m/s^2, gravity made up for in ``up``.
 
         ``left`` is what the bank will have to serve when it answers; ``soon``, to the left too, what the load factor will.
@@ -72,8 +73,8 @@ class BankToTurn:
         raw_bank = math.atan2(-left, up if up > LEAST_LIFT_MPS2 else LEAST_LIFT_MPS2)
         bank = -most if raw_bank < -most else most if raw_bank > most else raw_bank
         # the lift that serves the demand at the bank the aircraft has, not at the one it was told
-        raw_n = (up * math.cos(state.bank) - soon * math.sin(state.bank)) / G0_MPS2
-        n_max = self.most_load_factor(state.airspeed)
+        raw_n = (up * math.cos(bank_now) - soon * math.sin(bank_now)) / G0_MPS2
+        n_max = self.most_load_factor(airspeed)
         load_factor = self._n_min if raw_n < self._n_min else n_max if raw_n > n_max else raw_n
         return bank, load_factor, (BANK_LIMITED if bank != raw_bank else 0.0) + (LIFT_LIMITED if load_factor != raw_n else 0.0)
 
@@ -86,19 +87,20 @@ class BankToTurn:
         return unloaded if unloaded < n_max else n_max
 
 
-class SpeedHold(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class SpeedHold:
     """Which speed is held, and whether time lost along the path is made up for."""
 
     speed_mps: float
     airspeed: bool  # true: the airspeed is held; false: the speed over the ground
     keep_schedule: bool
 
-    def solve(self, state: State, ground_speed: float, behind_m: float) -> tuple[float, float]:
+    def solve(self, airspeed_now: float, ground_speed: float, behind_m: float) -> tuple[float, float]:
         """The airspeed to fly, and the speed along the path that the schedule moves on with, m/s.
 
         In wind the schedule of an airspeed hold moves with the ground speed that the set airspeed would give just now.
         """
-        drift = ground_speed - state.airspeed
+        drift = ground_speed - airspeed_now
         airspeed, scheduled = (self.speed_mps, self.speed_mps + drift) if self.airspeed else (self.speed_mps - drift, self.speed_mps)
         if self.keep_schedule:
             most = CATCH_UP_SHARE * self.speed_mps
@@ -123,13 +125,13 @@ class LookAheadLaw:
         return Memory(s_m, s_m)
 
     def step(self, memory: Memory, state: State, path: ActivePath) -> tuple[Command, Memory, Telemetry]:
-        x, y, z, vx, vy, vz = state[:6]
+        x, y, z, vx, vy, vz, bank_now, _, _, _, airspeed_now = state[:11]
+        s, scheduled_s, i_left, i_up = memory
         flat2 = vx * vx + vy * vy
         speed2 = flat2 + vz * vz
         flat, speed = math.sqrt(flat2), math.sqrt(speed2)
 
         # nearest point: from the last one, one step along the velocity, then one correction
-        s = memory.s_m
         d, (px, py, pz, tx, ty, tz, kx, ky, kz) = path.look_up(s)
         h = 0.5 * d
         ex, ey, ez = x - px - (tx + kx * h) * d, y - py - (ty + ky * h) * d, z - pz - (tz + kz * h) * d
@@ -141,26 +143,27 @@ class LookAheadLaw:
 
         # components along the left (lx, ly, 0) and up (ux, uy, uz) normals of the ground velocity, which has none itself
         lx, ly = -vy / flat, vx / flat
-        ux, uy, uz = -vz * ly / speed, vz * lx / speed, flat / speed
+        sin_climb, uz = vz / speed, flat / speed
+        ux, uy = -sin_climb * ly, sin_climb * lx
         e_left, e_up = ex * lx + ey * ly, ex * ux + ey * uy + ez * uz
         c, k = self._damping, self._stiffness
-        if (far := k * math.sqrt(e_left * e_left + e_up * e_up)) > (most := c * STEEPEST_RETURN * speed):
-            k *= most / far
+        far2, most = e_left * e_left + e_up * e_up, c * STEEPEST_RETURN * speed
+        if k * k * far2 > most * most:
+            k = most / math.sqrt(far2)
         damp, v2 = c * v_along, v_along * v_along
-        left = damp * (tx * lx + ty * ly) - k * e_left - memory.left
+        left = damp * (tx * lx + ty * ly) - k * e_left - i_left
         soon = left + v2 * (lift_ahead[6] * lx + lift_ahead[7] * ly)
         left += v2 * (ahead[6] * lx + ahead[7] * ly)
-        up = damp * (tx * ux + ty * uy + tz * uz) - k * e_up - memory.up + G0_MPS2 * uz
+        up = damp * (tx * ux + ty * uy + tz * uz) - k * e_up - i_up + G0_MPS2 * uz
         up += v2 * (lift_ahead[6] * ux + lift_ahead[7] * uy + lift_ahead[8] * uz)
-        bank, load_factor, limited = self._turn.solve(left, soon, up, state)
+        bank, load_factor, limited = self._turn.solve(left, soon, up, bank_now, airspeed_now)
 
-        i_left, i_up = memory.left, memory.up
         if not limited:
             gain, bound = self._integral * self._dt, INTEGRAL_LIMIT_MPS2
             i_left, i_up = i_left + gain * e_left, i_up + gain * e_up
             i_left = -bound if i_left < -bound else bound if i_left > bound else i_left
             i_up = -bound if i_up < -bound else bound if i_up > bound else i_up
-        airspeed, scheduled = self._hold.solve(state, speed, memory.scheduled_s_m - s)
-        memory = make(Memory, (s + v_along * self._dt, memory.scheduled_s_m + scheduled * self._dt, i_left, i_up))
+        airspeed, scheduled = self._hold.solve(airspeed_now, speed, scheduled_s - s)
+        memory = make(Memory, (s + v_along * self._dt, scheduled_s + scheduled * self._dt, i_left, i_up))
         command = make(Command, (bank, load_factor, airspeed, power_ahead[5]))
         return command, memory, make(Telemetry, (s, bank, load_factor, limited))

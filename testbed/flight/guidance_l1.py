@@ -44,9 +44,9 @@ class L1Law:
         ax, ay, az = (gain * (c - along * v / speed) for c, v in ((dx, vx), (dy, vy), (dz, vz)))
         left = (ay * vx - ax * vy) / flat
         up = (az * flat - vz * (ax * vx + ay * vy) / flat) / speed + G0_MPS2 * flat / speed
-        bank, load_factor, limited = self._turn.solve(left, left, up, state)
+        bank, load_factor, limited = self._turn.solve(left, left, up, state.bank, state.airspeed)
         _, power_ahead = path.look_up(s + speed * self._power_lead)
-        airspeed, scheduled = self._hold.solve(state, speed, memory.scheduled_s_m - s)
+        airspeed, scheduled = self._hold.solve(state.airspeed, speed, memory.scheduled_s_m - s)
         command = Command(bank, load_factor, airspeed, power_ahead[5])
         memory = Memory(s + speed * self._dt, memory.scheduled_s_m + scheduled * self._dt)
         return command, memory, Telemetry(s, bank, load_factor, limited)

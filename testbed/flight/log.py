@@ -1,6 +1,6 @@
 """The log of a flight: rows are appended as flat floats while it flies and become named columns once, at its end."""
 
-from array import array
+import struct
 from time import perf_counter
 
 import numpy as np
@@ -16,6 +16,7 @@ from testbed.spec.model import FlightPlan
 from testbed.types import FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
 
 Array = np.ndarray
+_GUIDANCE_ROW = struct.Struct(f"{len(Telemetry._fields) + 1}d").pack
 ANSWERED = ("replanned", "rejoined", "none", "clear")  # decisions after which the flight is not one without a path
 STATE_COLUMNS = {  # State field -> column
     "bank": "own.bank_rad",
@@ -37,15 +38,15 @@ class FlightLog:
 
     def __init__(self, plan: FlightPlan, begin_s_m: float) -> None:
         self.plan, self.begin_s_m = plan, begin_s_m
-        self.samples = bytearray()  # the plant's own rows of doubles, one a tick
-        self.guidance = array("d")
+        self.samples: list[bytes] = []  # the plant's own rows, one a tick, packed as doubles: the cheapest thing to keep in the loop
+        self.guidance: list[bytes] = []  # telemetry, and whether the aircraft was at a stop
         self.events: list[ReplanEvent] = []
         self.paths: list[tuple[float, ActivePath]] = []
 
     def guide(self, telemetry: Telemetry, at_stop: bool) -> None:
         """One guidance tick."""
-        self.guidance.extend(telemetry)
-        self.guidance.append(at_stop)
+        s_m, bank, load_factor, limited = telemetry
+        self.guidance.append(_GUIDANCE_ROW(s_m, bank, load_factor, limited, at_stop))
 
     def change_path(self, time_s: float, path: ActivePath) -> None:
         """Guidance follows ``path`` from ``time_s`` on."""
@@ -74,7 +75,7 @@ def _states(log: FlightLog, plant: Plant | None) -> dict[str, Array]:
     """Every field of the state as an array (n,)."""
     if plant is None:
         return {name: np.empty(0) for name in State._fields}
-    rows = np.frombuffer(log.samples).reshape(-1, len(plant.sample()))
+    rows = np.frombuffer(b"".join(log.samples)).reshape(-1, len(plant.sample()))
     field = plant.state(list(rows.T))._asdict()
     return {name: column if np.ndim(column) else np.full(len(rows), column) for name, column in field.items()}
 
@@ -105,7 +106,7 @@ def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[
 
 def _guidance_columns(log: FlightLog, n: int) -> dict[str, Array]:
     """Guidance rows held until the next one."""
-    rows = np.frombuffer(log.guidance, dtype=float).reshape(-1, len(Telemetry._fields) + 1)
+    rows = np.frombuffer(b"".join(log.guidance)).reshape(-1, len(Telemetry._fields) + 1)
     every = log.plan.rates.plant_hz // log.plan.rates.guidance_hz
     held = rows[np.minimum(np.arange(n) // every, len(rows) - 1)]
     s_m, bank, load_factor, limited, at_stop = held.T

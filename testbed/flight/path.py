@@ -29,12 +29,16 @@ class ActivePath(Chain):
 
     def rows_at(self, s1_m: float, s2_m: float, s3_m: float) -> tuple[Row, Row, Row]:
         """The nearest samples of three arc lengths (one call instead of three: guidance asks 60 times a second)."""
-        table, last = self._table, self._last
+        table = self._table
         i, j, k = int(s1_m / STEP_M + 0.5), int(s2_m / STEP_M + 0.5), int(s3_m / STEP_M + 0.5)
         if i < 0 or j < 0 or k < 0:  # a negative index would be one from the end
-            first, second, third = (self._before if n < 0 else table[min(n, last)] for n in (i, j, k))
+            first, second, third = (self._before if n < 0 else table[min(n, self._last)] for n in (i, j, k))
             return first, second, third
-        return table[i if i < last else last], table[j if j < last else last], table[k if k < last else last]
+        try:
+            return table[i], table[j], table[k]
+        except IndexError:
+            last = self._last
+            return table[min(i, last)], table[min(j, last)], table[min(k, last)]
 
     def look_up(self, s_m: float) -> tuple[float, Row]:
         """Offset from the nearest sample, and that sample: point, tangent, curvature vector."""

@@ -47,7 +47,7 @@ def ray(point: Vec3, velocity: Vec3) -> ph.Curve:
 def miss_along(path: Chain, s_m: float, speed_mps: float, time_s: float, tracks: Sequence[Track]) -> float:
     """Least distance (m) to the centre of any of the obstacles along the rest of a path, flown on at that speed; infinite for none."""
     elapsed = np.arange(0.0, min(PREDICTED_S, max(path.length_m - s_m, 1.0) / speed_mps), PREDICTION_STEP_S)
-    points = path.sample(s_m + speed_mps * elapsed)[0]
+    points = path.points(s_m + speed_mps * elapsed)
     centres = (np.asarray(track.at(time_s)) + np.outer(elapsed, track.vel) for track in tracks)
     return min((least_clearance(elapsed, points, centre, 0.0).clearance_m for centre in centres), default=math.inf)
 

@@ -32,6 +32,7 @@ from testbed.flight.rejoin import Rejoin, joined, miss_along, ray
 from testbed.flight.scene import Scene
 from testbed.flight.sensor import detect
 from testbed.flight.traffic import Track
+from testbed.flight.watch import Watch
 from testbed.frames import Vec3, vec3
 from testbed.seeds import stream
 from testbed.spec.model import FlightPlan
@@ -52,24 +53,13 @@ class Memory(NamedTuple):
     hold_from_s_m: float = math.inf
 
 
-def may_threaten(state: State, track: Track, centre: Vec3, swell_m: float = 0.0) -> bool:
-    """A necessary condition of the threat test in a microsecond, so that the test itself runs only where it may say yes."""
-    px, py, pz = centre[0] - state.x, centre[1] - state.y, centre[2] - state.z
-    wx, wy, wz = state.vx - track.vel[0], state.vy - track.vel[1], state.vz - track.vel[2]
-    closing = px * wx + py * wy + pz * wz
-    if closing <= 0.0:
-        return False
-    square = px * px + py * py + pz * pz
-    # least distance of the straight lines, squared, against the radius; the allowance is for rounding only
-    return square - closing * closing / (wx * wx + wy * wy + wz * wz) <= 1.000001 * (track.radius + swell_m) ** 2 + 1e-9 * square
-
-
 class Planner:
     """The planner of one flight; its memory goes in and comes out."""
 
     def __init__(self, plan: FlightPlan, scene: Scene) -> None:
         self._plan, self._scene = plan, scene
         self._rejoin = Rejoin(plan, scene)
+        self._watch = Watch(scene.tracks, plan.sensor.range_m, plan.replan.swell_m)
         self._error = _wind_error(plan)
         self.slowest_s = 0.0  # wall-clock seconds of the slowest answer, from the threats to the new path
 
@@ -84,13 +74,11 @@ class Planner:
         self, memory: Memory, time_s: float, state: State, path: Chain, s_m: float
     ) -> tuple[Memory, ActivePath | None, ReplanEvent | None]:
         """One tick of a flight that is at ``s_m`` of ``path``: the new path, if there is one, and the event, if something was decided."""
-        holding = s_m >= memory.hold_from_s_m
-        if not holding and len(memory.handled) == len(self._scene.tracks):  # nobody is left to be new
+        holding, alarmed = s_m >= memory.hold_from_s_m, self._watch.alarmed(memory.handled, time_s, state)
+        if not (holding or alarmed):
             return memory, None, None
-        own_pos = (state.x, state.y, state.z)
-        seen = detect(self._plan.sensor, self._scene.tracks, time_s, own_pos)
-        swell = self._plan.replan.swell_m
-        if any(track.name not in memory.handled and may_threaten(state, track, centre, swell) for track, centre in seen):
+        seen = detect(self._plan.sensor, self._scene.tracks, time_s, (state.x, state.y, state.z))
+        if alarmed:
             threats = self._threats(time_s, state, seen)
             if any(sighting.track.name not in memory.handled for sighting in threats):
                 return self._answer(memory, time_s, state, threats, path, s_m)

@@ -75,7 +75,7 @@ class Schedule:
 
     def points(self) -> Array:
         """Places (n,3) at ``time_s`` (n,)."""
-        return self._route.sample(self._s)[0]
+        return self._route.points(self._s)
 
     def at(self, time_s: float) -> tuple[Array, Array]:
         """Position and velocity over the ground, ENU (3,) each."""

@@ -141,7 +141,7 @@ def clearance(case: Case, name: str, magnitude: float = 1.0) -> float:
     q, new, speed = ("q", "dir", case["own.speed"]) if name == "o" else ("q2", "dir2", case["own.speed"])
     first, second = _through(case, place(case, q), heading(case, new), magnitude)
     s = np.linspace(0.0, first.length_m + second.length_m, 541)
-    at = np.where((s < first.length_m)[:, None], first.sample(s)[0], second.sample(s - first.length_m)[0])
+    at = np.where((s < first.length_m)[:, None], first.points(s), second.points(s - first.length_m))
     least_gap = math.inf
     for body in (obstacle(case, one) for one in OBSTACLES[name]):
         gap = at - np.array(body.pos_m) - np.outer(s / speed, body.vel_mps)

@@ -187,7 +187,7 @@ def planned_clearance(record: FlightRecord) -> float:
         begin_s = place(record, path, record.columns["own.pos_enu_m"][mine[0]], mine[0])
         s = arc_lengths(path.chain, begin_s, (mine - mine[0]) / hz, record.plan, wind)
         inside = s <= path.length_m
-        point[mine[inside]] = path.chain.sample(s[inside])[0]
+        point[mine[inside]] = path.chain.points(s[inside])
     return clearance_of(record, point)
 
 

@@ -49,7 +49,7 @@ def who(record: FlightRecord) -> str:
 
 def path_points(path: PlannedPath, per_curve: int = 60) -> list[Array]:
     """Evenly spaced points along each piece of a planned path."""
-    return [curve.sample(np.linspace(0.0, curve.length_m, per_curve))[0] for curve in path.curves]
+    return [curve.points(np.linspace(0.0, curve.length_m, per_curve)) for curve in path.curves]
 
 
 def route_ends(record: FlightRecord) -> list[Array]:

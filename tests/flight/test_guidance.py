@@ -65,15 +65,15 @@ def test_l1_is_the_published_formula_in_level_flight() -> None:
 
 @pytest.mark.parametrize(("behind", "airspeed"), [(2.0, 51.0), (-2.0, 49.0), (100.0, 53.0), (-100.0, 47.0)])
 def test_time_lost_is_made_up_for_within_bounds(behind: float, airspeed: float) -> None:
-    kept = SpeedHold(50.0, airspeed=True, keep_schedule=True).solve(LEVEL, 50.0, behind)
+    kept = SpeedHold(50.0, airspeed=True, keep_schedule=True).solve(LEVEL.airspeed, 50.0, behind)
     assert kept == (pytest.approx(airspeed), 50.0)
-    assert HOLD.solve(LEVEL, 50.0, behind) == (50.0, 50.0)
+    assert HOLD.solve(LEVEL.airspeed, 50.0, behind) == (50.0, 50.0)
 
 
 def test_what_is_held_in_a_wind() -> None:
     """Tail wind of 8 m/s: an airspeed hold flies on with its schedule at 58 m/s, a ground-speed hold asks for 42 m/s of airspeed."""
-    assert HOLD.solve(LEVEL, 58.0, 0.0) == (50.0, 58.0)
-    assert SpeedHold(50.0, airspeed=False, keep_schedule=False).solve(LEVEL, 58.0, 0.0) == (42.0, 50.0)
+    assert HOLD.solve(LEVEL.airspeed, 58.0, 0.0) == (50.0, 58.0)
+    assert SpeedHold(50.0, airspeed=False, keep_schedule=False).solve(LEVEL.airspeed, 58.0, 0.0) == (42.0, 50.0)
 
 
 def test_on_a_curve_the_bank_is_that_of_the_turn_ahead() -> None:

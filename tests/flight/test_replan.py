@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from testbed import fly, measure
 from testbed.flight.plants.base import State
 from testbed.flight.rejoin import resized
-from testbed.flight.replan import may_threaten
 from testbed.flight.traffic import Track
+from testbed.flight.watch import Watch
 from tests.plans import KINEMATIC, paper_obstacle, plan
 from vosc import Obstacle, Own, threat
 
@@ -27,11 +27,20 @@ def sphere(name: str, position: list[float], speed: float, direction: list[float
     return {"name": name, "radius_m": radius, "position_enu_m": position, "speed_mps": speed, "direction_deg": direction}
 
 
-@given(own=vector, velocity=vector, centre=vector, other=vector, radius=st.floats(0.1, 200))
-def test_the_quick_look_never_hides_a_threat(own: tuple, velocity: tuple, centre: tuple, other: tuple, radius: float) -> None:
-    if threat(Own(own, velocity), Obstacle(centre, other, radius)).is_threat:
-        state = State(*own, *velocity, *[0.0] * 14)
-        assert may_threaten(state, Track("O", radius, centre, other), centre)
+@given(
+    own=vector, velocity=vector, centre=vector, other=vector, radius=st.floats(0.1, 200), swell=st.floats(0, 50), time_s=st.floats(0, 20)
+)
+def test_the_watch_never_hides_a_threat(
+    own: tuple, velocity: tuple, centre: tuple, other: tuple, radius: float, swell: float, time_s: float
+) -> None:
+    track = Track("O", radius, tuple(c - time_s * v for c, v in zip(centre, other, strict=True)), other)
+    now = track.at(time_s)
+    away = math.dist(own, now)
+    state = State(*own, *velocity, *[0.0] * 14)
+    if threat(Own(own, velocity), Obstacle(now, other, radius + swell)).is_threat:
+        assert Watch([track], away, swell).alarmed((), time_s, state)
+    assert not Watch([track], 0.999 * away, swell).alarmed((), time_s, state)  # out of range
+    assert not Watch([track], away, swell).alarmed({"O"}, time_s, state)  # answered already
 
 
 def test_each_new_threat_is_answered_once() -> None:

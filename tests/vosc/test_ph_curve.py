@@ -145,6 +145,7 @@ def test_sampled_equals_scalar(drawn):
     points, tangents, bends = curve.sample(s)
     frames = [curve.frame(x) for x in s]
     np.testing.assert_allclose(points, [f[0] for f in frames], atol=1e-11)
+    np.testing.assert_array_equal(points, curve.points(s))
     np.testing.assert_allclose(tangents, [f[1] for f in frames], atol=1e-8)
     np.testing.assert_allclose(bends, [f[2] for f in frames], atol=1e-7 * max(1.0, curve.max_curvature()) ** 2)
 

@@ -23,6 +23,7 @@ from testbed.units import DEG, FT
 
 LATITUDE_DEG = 37.0  # where the flat ground of the ENU frame touches the ellipsoid; any mid latitude does
 FLAT_RAD = 0.5 * DEG  # a climb less steep than this starts from the level trim
+Read = Callable[[], float]
 INTEGRATORS = {"rate/rotational": 3, "position/rotational": 3}
 """Adams-Bashforth of second order for body rates and attitude, as JSBSim has it for the velocity; its own choice is Euler's rule."""
 OBSERVED = (
@@ -174,6 +175,28 @@ def begin(fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float, feed
     issue(fdm, start, trim.alpha, max(-5.0 * DEG, min(5.0 * DEG, extra)), height_m)
 
 
+def _sampler(read: Sequence[Read], wind: Sequence[Read], controls: Sequence[float]) -> Callable[[], Sequence[float]]:
+    """One row of the raw log: what JSBSim has, then the controls as they are by then.
+
+    A closure over the reads, called one by one: the quickest that the language has, and this is called at every step.
+    """
+    x, y, z, ve, vn, vd, bank, pitch, heading, down_force, airspeed, alpha, beta, p, q, r = read
+
+    # fmt: off
+    def still() -> Sequence[float]:
+        throttle, elevator, aileron, rudder = controls
+        return (
+            x(), y(), z(), ve(), vn(), vd(), bank(), pitch(), heading(), down_force(), airspeed(), alpha(), beta(), p(), q(), r(),
+            throttle, elevator, aileron, rudder,
+        )
+    # fmt: on
+
+    def moving() -> Sequence[float]:
+        return (*still(), *[component() for component in wind])
+
+    return moving if wind else still
+
+
 class JsbsimPlant:
     """One flight in JSBSim, from a trimmed start. Raises ``TrimFailedError``."""
 
@@ -191,9 +214,9 @@ class JsbsimPlant:
         self._autopilot = Autopilot(aircraft, trim.throttle, 1.0 / guidance_hz)
         self._memory = Memory()
         lag = aircraft.command_lag_s
-        self._share = 1.0 - math.exp(-1.0 / (guidance_hz * lag)) if lag > 0.0 else 1.0
-        observed = OBSERVED if self._steady is not None else OBSERVED + WIND
-        self._read = tuple(node(fdm, name).get_double_value for name in observed)
+        self._keep = math.exp(-1.0 / (guidance_hz * lag)) if lag > 0.0 else 0.0  # of a command, until the next one
+        read = tuple(node(fdm, name).get_double_value for name in OBSERVED)
+        wind = tuple(node(fdm, name).get_double_value for name in WIND) if self._steady is None else ()
         self._set_elevator = node(fdm, "fcs/elevator-cmd-norm").set_double_value
         self._set_aileron = node(fdm, "fcs/aileron-cmd-norm").set_double_value
         self._set_rudder = node(fdm, "fcs/rudder-cmd-norm").set_double_value
@@ -202,19 +225,20 @@ class JsbsimPlant:
         self.step_bare = fdm.run  # JSBSim's own call, for the benchmark
         self.step: Callable[[], object] = fdm.run
         # throttle, elevator, aileron, rudder; the surfaces beside their trim, of which JSBSim keeps only the pitch in a property of its own
-        self._out = (fdm["fcs/throttle-cmd-norm"], 0.0, 0.0, 0.0)
+        self._controls = [float(fdm["fcs/throttle-cmd-norm"]), 0.0, 0.0, 0.0]
+        self.sample: Callable[[], Sequence[float]] = _sampler(read, wind, self._controls)
         self._aileron_trim, self._rudder_trim = fdm["fcs/aileron-cmd-norm"], fdm["fcs/rudder-cmd-norm"]  # against a propeller's torque
-        self._origin = (*(read() for read in self._read[:3]), *start.pos)
+        self._origin = (*(position() for position in read[:3]), *start.pos)
         latitude = fdm["position/lat-geod-rad"]
         self._sin, self._cos = math.sin(latitude), math.cos(latitude)
         if feed is not None:
-            self.step = self._stepper(feed, plant_hz)
+            self.step = self._stepper(feed, read[:3], plant_hz)
         if air is not None and air.built_in is not None:
             switch_on(lambda name: node(fdm, name), air.built_in)
 
-    def _stepper(self, feed: GustFeed, plant_hz: int) -> Callable[[], object]:
+    def _stepper(self, feed: GustFeed, position: Sequence[Callable[[], float]], plant_hz: int) -> Callable[[], object]:
         """A step in air that changes: it feels the air of its end, at the place of one step ago."""
-        (read_x, read_y, read_z), run, tick = self._read[:3], self.step_bare, 0
+        (read_x, read_y, read_z), run, tick = position, self.step_bare, 0
 
         def step() -> None:
             nonlocal tick
@@ -227,24 +251,23 @@ class JsbsimPlant:
     def follow(self, path: Followable, s_m: float) -> None:
         """Guidance knows the path; the aeroplane does not."""
 
-    def sample(self) -> Sequence[float]:
-        x, y, z, ve, vn, vd, bank, pitch, heading, down_force, airspeed, alpha, beta, p, q, r, *wind = self._read  # no loop: half the cost
-        return (
-            *(x(), y(), z(), ve(), vn(), vd(), bank(), pitch(), heading()),
-            *(down_force(), airspeed(), alpha(), beta(), p(), q(), r(), *[read() for read in wind], *self._out),
-        )
-
     def state(self, sample: Sequence[Any]) -> State:
-        ex, ey, ez, ve, vn, vd, bank, pitch, heading, down_force, airspeed, alpha, beta, p, q, r, *rest = sample
-        x, y, z = self._place(ex, ey, ez)
-        load_factor = self._per_lift * down_force
+        # fmt: off
         if self._steady is None:
-            east, north, down, *rest = rest
-            air: tuple[Any, Any, Any] = (FT * east, FT * north, -FT * down)
+            *sample, east, north, down = sample
+            wx, wy, wz = FT * east, FT * north, -FT * down
         else:
-            air = self._steady
-        motion = (x, y, z, FT * ve, FT * vn, -FT * vd, bank, pitch, heading, load_factor, FT * airspeed, alpha, beta, p, q, r)
-        return make(State, (*motion, *rest, *air))
+            wx, wy, wz = self._steady
+        (
+            ex, ey, ez, ve, vn, vd, bank, pitch, heading, down_force, airspeed, alpha, beta, p, q, r,
+            throttle, elevator, aileron, rudder,
+        ) = sample
+        x, y, z = self._place(ex, ey, ez)
+        return make(State, (
+            x, y, z, FT * ve, FT * vn, -FT * vd, bank, pitch, heading, self._per_lift * down_force, FT * airspeed, alpha, beta, p, q, r,
+            throttle, elevator, aileron, rudder, wx, wy, wz,
+        ))
+        # fmt: on
 
     def _place(self, ex: Any, ey: Any, ez: Any) -> tuple[Any, Any, Any]:
         """ENU metres of ECEF feet. ECEF at longitude 0: east is +y, north and up lie in the x-z plane."""
@@ -254,16 +277,16 @@ class JsbsimPlant:
         return x0 + FT * (ey - oy), y0 + cos * dz - sin * dx, z0 + cos * dx + sin * dz
 
     def command(self, state: State, command: Command) -> bool:
-        surfaces, self._memory = self._autopilot.step(self._memory, state, command)
-        k = self._share
-        _, elevator, aileron, rudder = self._out
-        elevator += k * (surfaces.elevator - elevator)
-        aileron += k * (surfaces.aileron - aileron)
-        rudder += k * (surfaces.rudder - rudder)
-        self._out = (surfaces.throttle, elevator, aileron, rudder)
+        (elevator, aileron, rudder, throttle, saturated), self._memory = self._autopilot.step(self._memory, state, command)
+        if self._keep:  # the lag that the model itself lacks
+            keep, (_, last_elevator, last_aileron, last_rudder) = self._keep, self._controls
+            elevator += keep * (last_elevator - elevator)
+            aileron += keep * (last_aileron - aileron)
+            rudder += keep * (last_rudder - rudder)
+        self._controls[:] = throttle, elevator, aileron, rudder
         self._set_elevator(elevator)
         self._set_aileron(self._aileron_trim + aileron)
         self._set_rudder(self._rudder_trim + rudder)
         for set_throttle in self._set_throttles:
-            set_throttle(surfaces.throttle)
-        return surfaces.saturated
+            set_throttle(throttle)
+        return saturated
