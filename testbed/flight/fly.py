@@ -27,6 +27,7 @@ from testbed.types import FlightRecord, Outcome
 GOAL_GATE_M = 20.0  # reached = crossing the goal's plane within this distance
 NEAR_GOAL_M = 200.0  # the goal's plane counts only on the last of the path
 HIGHEST_M = 1e5  # a state above this has diverged
+LOW_M = 50.0  # nearer to the ground than this, a wing or a wheel may touch it
 
 Until = Callable[[float, State, ActivePath, float], bool]  # time (s), state, active path, arc length on it (m) -> enough?
 
@@ -80,7 +81,7 @@ def _loop(
     tick = 0
     while True:
         state = plant.state(sample)
-        if ended.check(tick, state, path.length_m - memory.s_m):
+        if ended.check(tick, state, path.length_m - memory.s_m, plant):
             return ended.outcome, ended.message
         if until is not None and until(tick / hz, state, path, memory.s_m):
             return Outcome.STOPPED, "stopped before the goal"
@@ -116,19 +117,20 @@ class _Ending:
     def __init__(self, plan: FlightPlan, scene: Scene) -> None:
         limit = scene.longest_s
         self._last_tick = math.ceil(limit * plan.rates.plant_hz) if math.isfinite(limit) else 0
-        self._ground = plan.terrain_z_m
+        self._ground, self._low = plan.terrain_z_m, plan.terrain_z_m + LOW_M
         self._goal, (self._tx, self._ty, self._tz) = scene.goal, scene.goal_tangent
         self.outcome, self.message = Outcome.TIMED_OUT, f"not at the goal after {limit:.1f} s, three times the planned time"
 
-    def check(self, tick: int, state: State, remaining_m: float) -> bool:
+    def check(self, tick: int, state: State, remaining_m: float, plant: Plant) -> bool:
         """``remaining_m`` along the path keeps a closed course from ending where it starts."""
         x, y, z = state[:3]
-        if not self._ground < z < HIGHEST_M or math.isnan(state.airspeed):
-            if z <= self._ground:
-                self.outcome, self.message = Outcome.HIT_GROUND, "height above ground fell to zero"
-            else:
+        if not self._low < z < HIGHEST_M or math.isnan(state.airspeed):
+            if math.isnan(state.airspeed) or not z < HIGHEST_M:
                 self.outcome, self.message = Outcome.DIVERGED, "a state became non-finite or left the model's range"
-            return True
+                return True
+            if z <= self._ground or plant.touches_ground():
+                self.outcome, self.message = Outcome.HIT_GROUND, f"came down at {math.hypot(*state[3:6]):.0f} m/s"
+                return True
         if remaining_m > NEAR_GOAL_M:
             return tick >= self._last_tick
         gx, gy, gz = self._goal

@@ -119,11 +119,16 @@ def test_too_slow_to_fly_is_an_outcome() -> None:
     assert math.isnan(measure(record).flight_time_s)
 
 
-def test_hitting_the_ground_ends_the_flight() -> None:
+@pytest.mark.parametrize(("aircraft", "reach_m"), [("gtm_t2", 0.5), ("c172p", 6.0)])
+def test_touching_the_ground_ends_the_flight(aircraft: str, reach_m: float) -> None:
+    """At the first touch of belly, wheel or wing: a moment later JSBSim's springs would have thrown the aircraft back into the air."""
     dive = PAPER_ROUTE | {"goal_enu_m": [600, 0, -150], "start_direction_deg": [0, -5], "goal_direction_deg": [0, -20]}
-    record = fly(plan(route=dive, plant={"kind": "jsbsim"}, terrain_z_m=-60.0))
+    record = fly(plan(route=dive, aircraft=aircraft, plant={"kind": "jsbsim"}, terrain_z_m=-60.0))
     assert record.outcome is Outcome.HIT_GROUND
-    assert record.columns["own.pos_enu_m"][-1, 2] <= -60.0 < record.columns["own.pos_enu_m"][-3, 2]  # looked for every second tick
+    assert record.message.startswith("came down at ")
+    height = record.columns["own.pos_enu_m"][:, 2] + 60.0
+    assert 0.0 < height[-1] < reach_m
+    assert np.abs(record.columns["own.load_factor"][:-3]).max() < 2.5, "looked for every second tick: nothing but air before"
 
 
 def test_a_state_that_becomes_nan_ends_the_flight(monkeypatch: pytest.MonkeyPatch) -> None:

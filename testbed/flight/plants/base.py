@@ -85,6 +85,9 @@ class Plant(Protocol):
     def step(self) -> object:
         """One tick."""
 
+    def touches_ground(self) -> bool:
+        """Does any part of the aircraft touch the ground? Asked near it only; of a point the height alone tells."""
+
 
 class Followable(Protocol):
     """A path by arc length."""

@@ -217,6 +217,7 @@ class JsbsimPlant:
         self._keep = math.exp(-1.0 / (guidance_hz * lag)) if lag > 0.0 else 0.0  # of a command, until the next one
         read = tuple(node(fdm, name).get_double_value for name in OBSERVED)
         wind = tuple(node(fdm, name).get_double_value for name in WIND) if self._steady is None else ()
+        self._ground_force = node(fdm, "forces/fbz-gear-lbs").get_double_value
         self._set_elevator = node(fdm, "fcs/elevator-cmd-norm").set_double_value
         self._set_aileron = node(fdm, "fcs/aileron-cmd-norm").set_double_value
         self._set_rudder = node(fdm, "fcs/rudder-cmd-norm").set_double_value
@@ -250,6 +251,10 @@ class JsbsimPlant:
 
     def follow(self, path: Followable, s_m: float) -> None:
         """Guidance knows the path; the aeroplane does not."""
+
+    def touches_ground(self) -> bool:
+        """JSBSim pushes a wheel, wing or belly that is in the ground back up: a crash would be a bounce."""
+        return bool(self._ground_force() != 0.0)
 
     def state(self, sample: Sequence[Any]) -> State:
         # fmt: off

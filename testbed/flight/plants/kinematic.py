@@ -49,6 +49,9 @@ class KinematicPlant:
     def state(self, sample: Sequence[Any]) -> State:
         return State._make(sample)
 
+    def touches_ground(self) -> bool:
+        return False
+
     def sample(self) -> Sequence[float]:
         assert self._path is not None, "follow() comes first"
         s = min(self._s(), self._path.length_m)

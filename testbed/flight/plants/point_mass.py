@@ -103,6 +103,9 @@ class PointMassPlant:
         self._speed = max(SLOWEST_MPS, math.sqrt(vx * vx + vy * vy + vz * vz))
         self._climb, self._track = math.atan2(vz, math.hypot(vx, vy)), math.atan2(vx, vy)
 
+    def touches_ground(self) -> bool:
+        return False
+
     def sample(self) -> Sequence[float]:
         v, climb, track = self._speed, self._climb, self._track
         wx, wy, wz = self._air
