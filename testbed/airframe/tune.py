@@ -21,8 +21,7 @@ from testbed.airframe.identify import (
     StepResponse,
     bank_step,
     full_control,
-    gust_step,
-    gust_washout,
+    gust_answer,
     load_factor_step,
     sampling_lag_s,
     servo_lag_s,
@@ -196,8 +195,13 @@ def _as_point(aircraft: Aircraft, power: Power, bank_lag_s: float, lift_lag_s: f
 def _in_gusts(aircraft: Aircraft, model: LinearModel) -> dict[str, float]:
     """What a gust adds to the load factor of that point mass, and how the closed loops take it out again."""
     per_rad = load_factor_per_rad(model)
-    frequency, damping = gust_washout(**gust_step(aircraft, model.speed_mps), per_rad=per_rad)
-    return {"load_factor_per_rad": rounded(per_rad), "gust_frequency_rad_s": rounded(frequency), "gust_damping": rounded(damping)}
+    answer = gust_answer(aircraft, model.speed_mps, per_rad)
+    return {
+        "load_factor_per_rad": rounded(per_rad),
+        "gust_frequency_rad_s": rounded(answer.frequency_rad_s),
+        "gust_damping": rounded(answer.damping),
+        "gust_surge_s": rounded(max(0.0, answer.surge_s)),
+    }
 
 
 def verify(aircraft: Aircraft) -> list[Check]:

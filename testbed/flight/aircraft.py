@@ -77,6 +77,7 @@ class PointMass(Section):
     load_factor_per_rad: NonNegative  # of angle of attack, surfaces held: what a gust adds at once; 0: a gust adds nothing
     gust_frequency_rad_s: Positive  # of the closed short period that takes it out again, and its damping
     gust_damping: Annotated[Positive, Field(lt=1)]
+    gust_surge_s: NonNegative  # integral over time of a head-on gust's load, per load at once
     thrust_lag_s: Positive
     thrust_min: Number
     thrust_max: Number

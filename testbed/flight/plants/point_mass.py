@@ -16,10 +16,14 @@ c is the lagged command, y the gust load; V' the airspeed after the change, dalp
 lift and velocity, + from below: to first order the gust's speed along the lift over V. a (``load_factor_per_rad``) is the slope of
 the load factor at Vr with the surfaces held. The last equation is what autopilot and weathercock stability make of it: the closed
 short period of frequency w and damping d, y / jump = s^2 / (s^2 + 2 d w s + w^2). It is not the lag of c. The autopilot integrates
-the error of the load factor, so that the integral of y over a gust comes to nothing and a step of the air leaves no velocity over
-the ground: the load swings back through zero, which a lag does not do. A gust does not ask for the aircraft's limits; with it the
-load factor ends where the wing's lift does, at (V/V1)^2 either way, V1 the airspeed at which 1 g takes the greatest angle of attack
-(a wing that lifts as much downwards is taken for granted). An airspeed that is held by force knows no head-on gust.
+the error of the load factor, so that the integral of y over a vertical gust comes to nothing and a step of the air leaves no velocity
+over the ground: the load swings back through zero, which a lag does not do. A head-on gust (the second term of the jump) leaves the
+nose where it is, and the elevator has to move to the trim of another airspeed: its load has the integral ``gust_surge_s`` times the
+jump, y / jump = s (s + surge w^2) / (s^2 + 2 d w s + w^2).
+
+A gust does not ask for the aircraft's limits. With it the load factor ends where the wing's lift does, at (V/V1)^2 either way, V1
+the airspeed at which 1 g takes the greatest angle of attack (as if the wing lifted as much downwards); what the command asks for is
+not cut by that. An airspeed that is held by force knows no head-on gust.
 """
 
 import math
@@ -126,11 +130,13 @@ class PointMassPlant:
         self._air = air
         speed = max(SLOWEST_MPS, math.sqrt(vx * vx + vy * vy + vz * vz))
         if self._model.load_factor_per_rad > 0.0:
-            self._gust_load += self._jump(vx, vy, vz, speed)
+            by_angle, by_speed = self._jumps(vx, vy, vz, speed)
+            self._gust_load += by_angle + by_speed
+            self._gust_integral -= self._model.gust_surge_s * by_speed
         self._speed = speed
         self._climb, self._track = math.atan2(vz, math.hypot(vx, vy)), math.atan2(vx, vy)
 
-    def _jump(self, vx: float, vy: float, vz: float, speed: float) -> float:
+    def _jumps(self, vx: float, vy: float, vz: float, speed: float) -> tuple[float, float]:
         """What the load factor gains when the velocity through the air (ENU m/s) becomes this one: by angle of attack, by airspeed."""
         sin_climb, cos_climb = math.sin(self._climb), math.cos(self._climb)
         sin_track, cos_track = math.sin(self._track), math.cos(self._track)
@@ -140,10 +146,8 @@ class PointMassPlant:
         lift = (vz * cos_climb - north * sin_climb) * math.cos(self._bank) + right * math.sin(self._bank)
         ratio = speed / self._reference
         by_angle = self._model.load_factor_per_rad * ratio * ratio * math.atan2(-lift, along)
-        if self._hold_speed:
-            return by_angle
-        faster = speed / self._speed
-        return by_angle + (self._load_factor + self._gust_load) * (faster * faster - 1.0)
+        faster = 1.0 if self._hold_speed else speed / self._speed
+        return by_angle, (self._load_factor + self._gust_load) * (faster * faster - 1.0)
 
     def _relieve(self) -> float:
         """Let the gust load decay over a tick; its mean over the tick."""
