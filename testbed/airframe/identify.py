@@ -1,15 +1,18 @@
 """What linearising does not see, from time responses of the non-linear aircraft: servo and engine lags, roll rate, closed-loop lags."""
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from testbed.airframe.linearise import LATERAL, LinearModel, respond
-from testbed.airframe.trial import GUIDANCE_HZ, PLANT_HZ, hold
+from testbed.airframe.trial import GUIDANCE_HZ, PLANT_HZ, STILL, hold
+from testbed.flight.air import CALM
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.base import Command, State
 from testbed.flight.plants.rig import Controls, Rig
+from testbed.frames import Vec3
 from testbed.units import DEG, G0_MPS2
 
 Array = np.ndarray
@@ -17,6 +20,7 @@ SMALL = 0.05  # of full aileron, or of full throttle
 KICK_S = 0.3  # in this time the linear model and the aircraft still agree, servo apart
 STEP_BANK_RAD = 10.0 * DEG
 STEP_LOAD_FACTOR = 0.2
+STEP_GUST = 0.01  # of the airspeed
 SETTLED_S = 5.0
 
 
@@ -146,6 +150,58 @@ def load_factor_step(aircraft: Aircraft, speed_mps: float, step: float = STEP_LO
 
     flown = hold(aircraft, speed_mps, SETTLED_S, command)
     return StepResponse(flown["time_s"], (flown["load_factor"] - flown["load_factor"][0]) / step), flown
+
+
+def gust_step(aircraft: Aircraft, speed_mps: float, direction: Vec3) -> tuple[Array, Array]:
+    """Level flight towards +y into a step of wind, load factor 1 commanded: time (s) since the gust is there, and what it adds.
+
+    That is load factor per gust speed over airspeed (per radian, for a vertical gust), beside the same flight in still air. The mean
+    of gusts that come at each tick between two commands: one that comes just after a command waits longest for an answer.
+    """
+    x, y, z = (STEP_GUST * speed_mps * d for d in direction)
+
+    def flown(from_tick: float) -> Array:
+        from_s = (from_tick - 0.5) / PLANT_HZ
+        air = replace(CALM, steady=None, at=lambda time_s, _pos: (x, y, z) if time_s > from_s else STILL)
+        return hold(aircraft, speed_mps, SETTLED_S, lambda _, s: Command(0.0, 1.0, speed_mps, math.sin(s.pitch - s.alpha)), air)[
+            "load_factor"
+        ]
+
+    still, ticks = flown(math.inf), range(1, PLANT_HZ // GUIDANCE_HZ + 1)
+    count = len(still) - ticks[-1]
+    answers = [(flown(tick) - still)[tick : tick + count] / STEP_GUST for tick in ticks]
+    return np.arange(count) / PLANT_HZ, np.mean(answers, axis=0)
+
+
+class GustAnswer(NamedTuple):
+    """How the closed loops take out a gust load; see ``plants/point_mass.py``."""
+
+    frequency_rad_s: float
+    damping: float
+    surge_s: float
+
+
+def gust_answer(aircraft: Aircraft, speed_mps: float, per_rad: float) -> GustAnswer:
+    """By least squares from flown steps: frequency and damping from a vertical gust, then the impulse that a head-on gust leaves."""
+    from scipy.optimize import least_squares
+
+    time_s, rising = gust_step(aircraft, speed_mps, (0.0, 0.0, 1.0))
+
+    def error(guess: Array) -> Array:
+        return _second_order(time_s, guess[0], guess[1])[0] - rising / per_rad
+
+    frequency, damping = least_squares(error, [5.0, 0.5], bounds=([0.1, 0.05], [50.0, 0.99])).x.tolist()
+    load, impulse = _second_order(time_s, frequency, damping)
+    left = 0.5 * gust_step(aircraft, speed_mps, (0.0, -1.0, 0.0))[1] - load  # lift goes as the square: the jump is 2
+    return GustAnswer(frequency, damping, float(left @ impulse / (impulse @ impulse)))
+
+
+def _second_order(time_s: Array, frequency: float, damping: float) -> tuple[Array, Array]:
+    """Steps of s^2 and of w^2 s (which has an area of 1) over s^2 + 2 d w s + w^2."""
+    decay = damping * frequency
+    ringing = frequency * math.sqrt(1.0 - damping * damping)
+    keep, sine = np.exp(-decay * time_s), np.sin(ringing * time_s) / ringing
+    return keep * (np.cos(ringing * time_s) - decay * sine), frequency * frequency * keep * sine
 
 
 def speed_step(aircraft: Aircraft, speed_mps: float, step_mps: float = 2.0) -> dict[str, Array]:

@@ -131,6 +131,13 @@ def roll_in_one_degree(model: LinearModel) -> tuple[float, float]:
     return 1.0 / damping, power / damping
 
 
+def load_factor_per_rad(model: LinearModel) -> float:
+    """Load factor per radian of angle of attack at constant airspeed, surfaces held: what a small vertical gust adds at once."""
+    by_u, by_w = model.c_load_factor[:2]
+    alpha = model.pitch_rad  # of level flight
+    return float(model.speed_mps * (by_w * math.cos(alpha) - by_u * math.sin(alpha)))
+
+
 def load_factor_per_speed2(speed_mps: float) -> float:
     """Pitch rate (rad/s) per g of load factor above 1 in steady flight: g / V."""
     return G0_MPS2 / speed_mps

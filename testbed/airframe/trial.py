@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from testbed.flight.air import AirModel
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.guidance import LookAheadLaw, SpeedHold
 from testbed.flight.path import ActivePath
@@ -64,10 +65,12 @@ def follow(aircraft: Aircraft, path: ActivePath, speed_mps: float, wind: Vec3 = 
     return Trial(columns, np.sqrt(np.maximum(np.sum(offset**2, axis=1) - along**2, 0.0)))
 
 
-def hold(aircraft: Aircraft, speed_mps: float, seconds: float, command: Callable[[float, State], Command]) -> dict[str, Array]:
-    """Columns of a flight from straight and level, with commands as a function of time and state."""
+def hold(
+    aircraft: Aircraft, speed_mps: float, seconds: float, command: Callable[[float, State], Command], air: AirModel | None = None
+) -> dict[str, Array]:
+    """Columns of a flight from straight and level, with commands as a function of time and state; the air is still, or as given."""
     start = Start((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), STILL, speed_mps, STILL)
-    plant = JsbsimPlant(aircraft, start, PLANT_HZ, GUIDANCE_HZ, -GROUND_BELOW_M)
+    plant = JsbsimPlant(aircraft, start, PLANT_HZ, GUIDANCE_HZ, -GROUND_BELOW_M, air)
     rows: list[tuple[float, ...]] = []
     for tick in range(round(seconds * PLANT_HZ) + 1):
         state = plant.state(plant.sample())

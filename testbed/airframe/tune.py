@@ -21,6 +21,7 @@ from testbed.airframe.identify import (
     StepResponse,
     bank_step,
     full_control,
+    gust_answer,
     load_factor_step,
     sampling_lag_s,
     servo_lag_s,
@@ -28,7 +29,7 @@ from testbed.airframe.identify import (
     thrust_lag_s,
     turn_response,
 )
-from testbed.airframe.linearise import LinearModel, linearise
+from testbed.airframe.linearise import LinearModel, linearise, load_factor_per_rad
 from testbed.airframe.loops import lateral, pitch
 from testbed.airframe.place import place_lateral, place_pitch, roll_rate_limit, rounded
 from testbed.airframe.trial import follow
@@ -99,7 +100,8 @@ def find_gains(aircraft: Aircraft) -> Aircraft:
     integral = rounded(INTEGRAL_SHARE * bandwidth)
     aircraft = _changed(aircraft, guidance={"bandwidth_rad_s": bandwidth, "damping": DAMPING, "integral_1ps": integral, **leads})
     aircraft = _changed(aircraft, autopilot=place_throttle(power, bandwidth))
-    return _changed(aircraft, point_mass=_as_point(aircraft, power, turn.lag_s(bandwidth), lift.lag_s(bandwidth)))
+    point = _as_point(aircraft, power, turn.lag_s(bandwidth), lift.lag_s(bandwidth)) | _in_gusts(aircraft, model)
+    return _changed(aircraft, point_mass=point)
 
 
 def surface_lags(aircraft: Aircraft, model: LinearModel) -> tuple[float, float, float]:
@@ -187,6 +189,18 @@ def _as_point(aircraft: Aircraft, power: Power, bank_lag_s: float, lift_lag_s: f
         "thrust_max": rounded(level + math.sin(power.climb_rad)),
         "drag_zero": rounded(float(zero_part)),
         "drag_lift": rounded(float(lift_part)),
+    }
+
+
+def _in_gusts(aircraft: Aircraft, model: LinearModel) -> dict[str, float]:
+    """What a gust adds to the load factor of that point mass, and how the closed loops take it out again."""
+    per_rad = load_factor_per_rad(model)
+    answer = gust_answer(aircraft, model.speed_mps, per_rad)
+    return {
+        "load_factor_per_rad": rounded(per_rad),
+        "gust_frequency_rad_s": rounded(answer.frequency_rad_s),
+        "gust_damping": rounded(answer.damping),
+        "gust_surge_s": rounded(max(0.0, answer.surge_s)),
     }
 
 

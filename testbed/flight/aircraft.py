@@ -74,6 +74,10 @@ class PointMass(Section):
 
     bank_lag_s: Positive
     load_factor_lag_s: Positive
+    load_factor_per_rad: NonNegative  # of angle of attack, surfaces held: what a gust adds at once; 0: a gust adds nothing
+    gust_frequency_rad_s: Positive  # of the closed short period that takes it out again, and its damping
+    gust_damping: Annotated[Positive, Field(lt=1)]
+    gust_surge_s: NonNegative  # integral over time of a head-on gust's load, per load at once
     thrust_lag_s: Positive
     thrust_min: Number
     thrust_max: Number
@@ -103,9 +107,10 @@ UNLIMITED = 1e3
 
 
 def idealised(aircraft: Aircraft, ideal: tuple[str, ...]) -> Aircraft:
-    """The aircraft with some limits of its point mass switched off: ``roll``, ``load_factor`` (``speed`` is the plant's own switch).
+    """The aircraft with some limits of its point mass off: ``roll``, ``load_factor``, ``gust`` (``speed`` is the plant's own switch).
 
-    Guidance then neither clips what the limit clipped nor looks ahead for a lag that is gone.
+    Guidance then neither clips what the limit clipped nor looks ahead for a lag that is gone. A lift that follows its command at
+    once has no gust load either.
     """
     limits: dict[str, float] = {}
     gains: dict[str, float] = {}
@@ -119,6 +124,8 @@ def idealised(aircraft: Aircraft, ideal: tuple[str, ...]) -> Aircraft:
         limits |= {"load_factor_min": -UNLIMITED, "load_factor_max": UNLIMITED} | slowest
         gains |= {"load_factor_lead_s": 0.0}
         point |= {"load_factor_lag_s": IDEAL_LAG_S}
+    if "load_factor" in ideal or "gust" in ideal:
+        point |= {"load_factor_per_rad": 0.0}
     return aircraft.model_copy(
         update={
             "limits": aircraft.limits.model_copy(update=limits),

@@ -22,7 +22,13 @@ ONLY = {
     frozenset({"roll", "load_factor"}): "point_speed",
     frozenset({"roll", "load_factor", "speed"}): "point_ideal",
 }
-"""Limits of the point mass that are off, to the name of the rung."""
+"""Limits of the point mass that are off, to the name of the rung; its gust load apart."""
+
+
+def rung_of(ideal: Sequence[str]) -> str:
+    """The rung of a point mass. Its gust load goes with its load factor; switched off alone, it has a name of its own."""
+    name = ONLY[frozenset(ideal) - {"gust"}]
+    return f"{name}_no_gust" if "gust" in ideal and "load_factor" not in ideal else name
 
 
 @dataclass(frozen=True)
@@ -78,7 +84,7 @@ def line_of(plan: FlightPlan, row: dict[str, Any]) -> Line:
     rung = ("vo_instant" if answer == "direct" else "kinematic") if kinematic else plan.plant.kind
     return Line(
         study=plan.labels.get(PART, plan.campaign),
-        rung=ONLY[frozenset(plan.plant.ideal)] if plan.plant.kind == "point_mass" else rung,
+        rung=rung_of(plan.plant.ideal) if plan.plant.kind == "point_mass" else rung,
         answer=answer,
         aircraft="" if kinematic else plan.aircraft,
         method=plan.method.kind,

@@ -29,11 +29,16 @@ class WindTriangle(CheckSection):
 
 
 class GustResponse(CheckSection):
-    """Load factor in a one-minus-cosine gust against the superposition of responses to a step gust (linear theory)."""
+    """Load factor in a one-minus-cosine gust against the superposition of responses to a step gust (linear theory).
+
+    Where a point mass and six degrees of freedom met the same gust, the peak of the one against that of the other too.
+    """
 
     kind: Literal["gust_response"]
     share_tolerance: Positive
     """Largest error of the load factor, as a share of its peak."""
+    point_mass_share_tolerance: Positive = 0.12
+    """Largest error of the point mass's peak, as a share of that of six degrees of freedom."""
 
 
 class TurbulenceStatistics(CheckSection):

@@ -160,8 +160,9 @@ class PlantSpec(Section):
 
     kind: Literal["kinematic", "point_mass", "jsbsim"] = "jsbsim"
     """kinematic: a point on the planned curve. point_mass: a point with the aircraft's limits. jsbsim: six degrees of freedom."""
-    ideal: tuple[Literal["roll", "load_factor", "speed"], ...] = ()
-    """Limits of the point_mass that are switched off: roll (lag, rate, bank limit), load_factor (lag, limits), speed (thrust, drag)."""
+    ideal: tuple[Literal["roll", "load_factor", "speed", "gust"], ...] = ()
+    """Limits of the point_mass that are off: roll (lag, rate, bank limit), load_factor (lag, limits, gust load), speed (thrust, drag).
+    gust: the gust load alone, by which a gust changes the lift; without it a gust changes the velocity through the air only."""
 
     @model_validator(mode="after")
     def _ideal_is_for_the_point_mass(self) -> "PlantSpec":

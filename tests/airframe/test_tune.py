@@ -8,11 +8,13 @@ import pytest
 
 from testbed.airframe import tune as tuning
 from testbed.airframe.courses import random_path, swerve, turn_radius
-from testbed.airframe.identify import StepResponse
+from testbed.airframe.identify import StepResponse, gust_step
+from testbed.airframe.linearise import linearise
 from testbed.airframe.trial import follow
 from testbed.airframe.trim import steepest_climb
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.path import ActivePath
+from testbed.flight.plants.rig import Rig
 from testbed.frames import wind_enu_from_compass
 from testbed.units import DEG
 from tests.plans import PAPER_ROUTE
@@ -80,6 +82,18 @@ def test_lag_of_a_pure_delay_is_that_delay() -> None:
     response = StepResponse(time_s, (time_s >= 0.3).astype(float))
     assert response.lag_s(1.0) == pytest.approx(0.3, abs=0.005)
     assert abs(response.transfer(np.array([1.0]))[0]) == pytest.approx(1.0, abs=0.005)
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+def test_the_file_holds_what_a_gust_does(name: str) -> None:
+    """The lift slope of the linear model is the jump that JSBSim makes in a gust, to 2 %; the decay is the one found again."""
+    aircraft = load_aircraft(name)
+    point, model = aircraft.point_mass, linearise(Rig(aircraft, SPEEDS[name]))
+    for key, value in tuning._in_gusts(aircraft, model).items():
+        assert getattr(point, key) == pytest.approx(value, rel=0.01), key
+    for direction, jump in ((0.0, 0.0, 1.0), point.load_factor_per_rad), ((0.0, -1.0, 0.0), 2.0):
+        _, added = gust_step(aircraft, SPEEDS[name], direction)
+        assert added[0] == pytest.approx(jump, rel=0.02)
 
 
 def test_guidance_bandwidth_falls_with_the_lag() -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from testbed.lead.line import ONLY, rung_of
 from testbed.run import runner
 from testbed.run.directory import BadInputError
 from testbed.run.engines import LocalEngine, attempt
@@ -31,6 +32,14 @@ sweep:
   replan.swell_m: [0, 8]
   method.kind: [scoam, least_deflection]
 """
+
+
+def test_a_point_has_a_rung_whatever_is_ideal_of_it() -> None:
+    """The gust load goes with the load factor: no limits are no limits with or without it."""
+    assert {rung_of(tuple(ideal)) for ideal in ONLY} == set(ONLY.values())
+    assert rung_of(("roll", "load_factor", "speed", "gust")) == rung_of(("roll", "load_factor", "speed")) == "point_ideal"
+    assert rung_of(("gust",)) == "point_mass_no_gust"
+    assert rung_of(("roll", "speed", "gust")) == "point_load_no_gust"
 
 
 class Here:

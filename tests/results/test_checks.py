@@ -103,6 +103,14 @@ def test_a_gust_that_comes_late_fails() -> None:
     assert misses(campaign, late)
 
 
+def test_a_point_that_a_gust_does_not_load_enough_fails() -> None:
+    campaign, records = flown("gust_response", "gtm_t2")
+    light = [
+        with_column(r, "own.load_factor", lambda n: 1.0 + 0.9 * (n - 1.0)) if r.plan.plant.kind == "point_mass" else r for r in records
+    ]
+    assert misses(campaign, light) == {"point_mass gtm_t2: peak"}
+
+
 @pytest.mark.slow
 def test_turbulence_of_another_severity_or_scale_fails() -> None:
     """One flight is enough to tell severe from light; four to see that the air was taken for slower than it was."""

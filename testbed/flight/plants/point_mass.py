@@ -8,7 +8,22 @@ It stands between the paper's point on rails and six degrees of freedom. What it
 with V, gamma, chi of the velocity through the air (chi clockwise from north). D/W = zero (V/Vr)^2 + lift n^2 (Vr/V)^2.
 Bank, load factor and thrust follow their commands as first-order lags, solved exactly over a tick (so that a lag of 1e-4 s is
 no stiffness), the bank no faster than the roll rate limit. The rest is integrated by the midpoint rule. When the air changes, the
-velocity over the ground stays and V, gamma, chi change; a gust does not load the point, whose load factor is the lagged command.
+velocity over the ground stays and V, gamma, chi change, and the lift with them, because the nose stays where it is:
+
+    n = c + y      jump of y = a (V/Vr)^2 dalpha + n ((V'/V)^2 - 1)      y' = -2 d w y - w^2 (integral of y)
+
+c is the lagged command, y the gust load; V' the airspeed after the change, dalpha the angle by which the flow turned in the plane of
+lift and velocity, + from below: to first order the gust's speed along the lift over V. a (``load_factor_per_rad``) is the slope of
+the load factor at Vr with the surfaces held. The last equation is what autopilot and weathercock stability make of it: the closed
+short period of frequency w and damping d, y / jump = s^2 / (s^2 + 2 d w s + w^2). It is not the lag of c. The autopilot integrates
+the error of the load factor, so that the integral of y over a vertical gust comes to nothing and a step of the air leaves no velocity
+over the ground: the load swings back through zero, which a lag does not do. A head-on gust (the second term of the jump) leaves the
+nose where it is, and the elevator has to move to the trim of another airspeed: its load has the integral ``gust_surge_s`` times the
+jump, y / jump = s (s + surge w^2) / (s^2 + 2 d w s + w^2).
+
+A gust does not ask for the aircraft's limits. With it the load factor ends where the wing's lift does, at (V/V1)^2 either way, V1
+the airspeed at which 1 g takes the greatest angle of attack (as if the wing lifted as much downwards); what the command asks for is
+not cut by that. An airspeed that is held by force knows no head-on gust.
 """
 
 import math
@@ -27,6 +42,15 @@ SLOWEST_MPS = 1.0  # below this the equations mean nothing; the flight is then l
 STEEPEST_COS = 0.05
 
 
+def washout(frequency_rad_s: float, damping: float, dt_s: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The transition over ``dt_s`` of y and its integral in y' = -2 d w y - w^2 (integral of y), 0 < d < 1."""
+    decay = damping * frequency_rad_s
+    ringing = frequency_rad_s * math.sqrt(1.0 - damping * damping)
+    keep = math.exp(-decay * dt_s)
+    cos, sin = keep * math.cos(ringing * dt_s), keep * math.sin(ringing * dt_s) / ringing
+    return (cos - decay * sin, -frequency_rad_s * frequency_rad_s * sin), (sin, cos + decay * sin)
+
+
 class PointMassPlant:
     """One flight of the point. ``hold_speed`` makes thrust ideal: the airspeed is what it is told to be."""
 
@@ -35,10 +59,12 @@ class PointMassPlant:
         self._dt = 1.0 / plant_hz
         self._tick = 0
         self._reference = aircraft.autopilot.reference_mps
+        self._one_g = aircraft.limits.alpha_max_1g_mps
         self._roll_step = aircraft.limits.roll_rate_dps * DEG * self._dt
         model = self._model
         lags = (model.bank_lag_s, model.load_factor_lag_s, model.thrust_lag_s)
         self._bank_share, self._lift_share, self._thrust_share = (1.0 - math.exp(-self._dt / lag) for lag in lags)
+        self._washout = washout(model.gust_frequency_rad_s, model.gust_damping, self._dt)
         ground = ground_speed_along(start.tangent, start.speed, start.wind)
         velocity = tuple(ground * t for t in start.tangent)
         air = tuple(v - w for v, w in zip(velocity, start.wind, strict=True))
@@ -48,7 +74,8 @@ class PointMassPlant:
         self._air = start.wind  # velocity of the air over the ground where the point is
         self._speed = math.hypot(*air)
         self._climb, self._track = math.asin(air[2] / self._speed), math.atan2(air[0], air[1])
-        self._bank, self._load_factor = bank, load_factor
+        self._bank, self._load_factor = bank, load_factor  # the latter without the gust load
+        self._gust_load = self._gust_integral = 0.0
         self._thrust = self._drag(self._speed, load_factor) + math.sin(self._climb)
         self._thrust = max(model.thrust_min, min(model.thrust_max, self._thrust))
         self._wanted = self._thrust  # thrust over weight that is asked for
@@ -79,6 +106,7 @@ class PointMassPlant:
         if self._hold_speed:
             self._speed = command.speed
         v, climb, track = self._speed, self._climb, self._track
+        n = self._carried(n, self._relieve(), v)
         half = 0.5 * dt
         dv, dclimb, dtrack = self._rates(v, climb, bank, n)
         vm, cm, tm = v + half * dv, climb + half * dclimb, track + half * dtrack
@@ -100,8 +128,41 @@ class PointMassPlant:
         vx, vy = flat * math.sin(self._track) + wx - ux, flat * math.cos(self._track) + wy - uy
         vz = self._speed * math.sin(self._climb) + wz - uz
         self._air = air
-        self._speed = max(SLOWEST_MPS, math.sqrt(vx * vx + vy * vy + vz * vz))
+        speed = max(SLOWEST_MPS, math.sqrt(vx * vx + vy * vy + vz * vz))
+        if self._model.load_factor_per_rad > 0.0:
+            by_angle, by_speed = self._jumps(vx, vy, vz, speed)
+            self._gust_load += by_angle + by_speed
+            self._gust_integral -= self._model.gust_surge_s * by_speed
+        self._speed = speed
         self._climb, self._track = math.atan2(vz, math.hypot(vx, vy)), math.atan2(vx, vy)
+
+    def _jumps(self, vx: float, vy: float, vz: float, speed: float) -> tuple[float, float]:
+        """What the load factor gains when the velocity through the air (ENU m/s) becomes this one: by angle of attack, by airspeed."""
+        sin_climb, cos_climb = math.sin(self._climb), math.cos(self._climb)
+        sin_track, cos_track = math.sin(self._track), math.cos(self._track)
+        north = vx * sin_track + vy * cos_track  # horizontal, along the track
+        right = vx * cos_track - vy * sin_track
+        along = north * cos_climb + vz * sin_climb
+        lift = (vz * cos_climb - north * sin_climb) * math.cos(self._bank) + right * math.sin(self._bank)
+        ratio = speed / self._reference
+        by_angle = self._model.load_factor_per_rad * ratio * ratio * math.atan2(-lift, along)
+        faster = 1.0 if self._hold_speed else speed / self._speed
+        return by_angle, (self._load_factor + self._gust_load) * (faster * faster - 1.0)
+
+    def _relieve(self) -> float:
+        """Let the gust load decay over a tick; its mean over the tick."""
+        load, before = self._gust_load, self._gust_integral
+        (ll, li), (il, ii) = self._washout
+        self._gust_load, self._gust_integral = ll * load + li * before, il * load + ii * before
+        return (self._gust_integral - before) / self._dt
+
+    def _carried(self, n: float, gust: float, v: float) -> float:
+        """Load factor and gust load together, as far as the wing carries them; without a gust the load factor itself."""
+        most = v / self._one_g
+        most *= most
+        if gust > 0.0:
+            return min(n + gust, max(n, most))
+        return max(n + gust, min(n, -most)) if gust < 0.0 else n
 
     def touches_ground(self) -> bool:
         return False
@@ -112,7 +173,8 @@ class PointMassPlant:
         flat = v * math.cos(climb)
         velocity = (flat * math.sin(track) + wx, flat * math.cos(track) + wy, v * math.sin(climb) + wz)
         angles = (self._bank, climb, track % math.tau)
-        return (*self._pos, *velocity, *angles, self._load_factor, v, NAN, NAN, self._roll_rate, NAN, NAN, NAN, NAN, NAN, NAN, wx, wy, wz)
+        n = self._carried(self._load_factor, self._gust_load, v)
+        return (*self._pos, *velocity, *angles, n, v, NAN, NAN, self._roll_rate, NAN, NAN, NAN, NAN, NAN, NAN, wx, wy, wz)
 
     def state(self, sample: Sequence[Any]) -> State:
         return State._make(sample)

@@ -58,8 +58,9 @@ def gust_response(check: GustResponse, flights: Sequence[Flown]) -> Iterable[Che
     """Duhamel: the response to a gust is the sum of the responses to the steps that it is made of.
 
     The greatest difference of load factor, at any time, as a share of the greatest response. Each plant needs three flights that
-    differ in the gust alone: none, a step, a one-minus-cosine.
+    differ in the gust alone: none, a step, a one-minus-cosine. The peak of a point mass is held against that of six degrees of freedom.
     """
+    peaks = {}
     for name, mine in groups(flights, flown_by):
         by_kind = {flight.plan.air.gust.kind: flight for flight in mine}
         if not {"none", "step", "one_minus_cosine"} <= set(by_kind):
@@ -81,6 +82,11 @@ def gust_response(check: GustResponse, flights: Sequence[Flown]) -> Iterable[Che
         found = load["one_minus_cosine"][:n] - load["none"][:n]
         error = np.abs(found - expected).max() / np.abs(expected).max()
         yield CheckResult(f"{name}: load factor off by", "of its peak", 0.0, float(error), check.share_tolerance)
+        peaks[plan.plant.kind, plan.aircraft] = float(np.abs(found).max())
+    for (kind, aircraft), peak in peaks.items():
+        truth = peaks.get(("jsbsim", aircraft), math.nan)
+        if kind == "point_mass" and truth > 0.0:
+            yield CheckResult(f"point_mass {aircraft}: peak", "of jsbsim's", 1.0, peak / truth, check.point_mass_share_tolerance)
 
 
 NUMBERS = (("place", "m"), ("velocity", "m/s"), ("angle", "deg"), ("time", "s"))
