@@ -126,8 +126,8 @@ def test_an_aircraft_of_another_weight_fails(monkeypatch: pytest.MonkeyPatch) ->
     """A broken plant: with 2 lb less fuel in the tank (3.5 % of its weight) the aircraft is not the one of its data sheet."""
     load = jsbsim.load_model
 
-    def light(aircraft: Aircraft, plant_hz: int) -> Any:
-        fdm = load(aircraft, plant_hz)
+    def light(aircraft: Aircraft, plant_hz: int, air_turns: bool) -> Any:
+        fdm = load(aircraft, plant_hz, air_turns)
         fdm["propulsion/tank/contents-lbs"] = 9.48
         return fdm
 

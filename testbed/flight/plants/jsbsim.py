@@ -15,7 +15,7 @@ from testbed.flight.air import AirModel, ground_speed_along
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, Followable, Start, State, TrimFailedError, make
-from testbed.flight.plants.jsbsim_air import WIND, GustFeed, switch_on
+from testbed.flight.plants.jsbsim_air import WIND, GustFeed, rates_in_air, switch_on
 from testbed.flight.plants.jsbsim_model import changed_root
 from testbed.flight.plants.kinematic import coordinated
 from testbed.frames import Vec3, body_rates, enu_from_wind_axes, euler_from_enu_from_body
@@ -54,8 +54,11 @@ class _Quiet(jsbsim.FGLogger):
 _quiet = _Quiet()
 
 
-def load_model(aircraft: Aircraft, plant_hz: int) -> jsbsim.FGFDMExec:
-    """A fresh executive with the aircraft loaded (a used one keeps fuel, engine and filter state: never reuse it)."""
+def load_model(aircraft: Aircraft, plant_hz: int, air_turns: bool = False) -> jsbsim.FGFDMExec:
+    """A fresh executive with the aircraft loaded (a used one keeps fuel, engine and filter state: never reuse it).
+
+    ``air_turns``: its aerodynamics feel the angular velocity of the air that is written into it.
+    """
     jsbsim.FGJSBBase().debug_lvl = 0
     jsbsim.set_logger(_quiet)
     file = model_file(aircraft)
@@ -63,7 +66,7 @@ def load_model(aircraft: Aircraft, plant_hz: int) -> jsbsim.FGFDMExec:
     fdm.set_dt(1.0 / plant_hz)
     for motion, rule in INTEGRATORS.items():
         node(fdm, f"simulation/integrator/{motion}").set_double_value(rule)
-    with changed_root(file, aircraft.model.factors) as root:
+    with changed_root(file, aircraft.model.factors, air_turns) as root:
         fdm.set_aircraft_path(str(root))
         if not fdm.load_model(aircraft.model.name):
             raise FileNotFoundError(f"JSBSim cannot load '{aircraft.model.name}' ({aircraft.model.files} files)")
@@ -121,7 +124,9 @@ def _trims(fdm: jsbsim.FGFDMExec) -> bool:
     return True
 
 
-def spool_up(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, start: Start, level: Trim, height_m: float) -> tuple[jsbsim.FGFDMExec, Trim]:
+def spool_up(
+    fdm: jsbsim.FGFDMExec, aircraft: Aircraft, start: Start, level: Trim, height_m: float, air_turns: bool = False
+) -> tuple[jsbsim.FGFDMExec, Trim]:
     """Trim again in the climb of the path, so that the engine starts with the power that the path needs there.
 
     An engine that needs seconds to spool up would otherwise start every climbing flight late. Where the climb cannot be trimmed
@@ -134,7 +139,7 @@ def spool_up(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, start: Start, level: Tri
     fdm.run_ic()
     if _trims(fdm):
         return fdm, Trim(level.throttle, fdm["aero/alpha-rad"])
-    fresh = load_model(aircraft, round(1.0 / fdm.get_delta_t()))
+    fresh = load_model(aircraft, round(1.0 / fdm.get_delta_t()), air_turns)
     return fresh, trim_level(fresh, aircraft, start.speed, height_m)
 
 
@@ -180,9 +185,10 @@ class JsbsimPlant:
     def __init__(
         self, aircraft: Aircraft, start: Start, plant_hz: int, guidance_hz: int, terrain_z_m: float, air: AirModel | None = None
     ) -> None:
-        fdm = load_model(aircraft, plant_hz)
+        turns = air is not None and air.rotation is not None
+        fdm = load_model(aircraft, plant_hz, turns)
         height = start.pos[2] - terrain_z_m
-        fdm, trim = spool_up(fdm, aircraft, start, trim_level(fdm, aircraft, start.speed, height), height)
+        fdm, trim = spool_up(fdm, aircraft, start, trim_level(fdm, aircraft, start.speed, height), height, turns)
         self._steady = start.wind if air is None else air.steady
         feed = GustFeed(lambda name: node(fdm, name), air, start.wind) if air is not None and air.steady is None else None
         begin(fdm, start, trim, height, feed)
@@ -192,7 +198,9 @@ class JsbsimPlant:
         self._memory = Memory()
         lag = aircraft.command_lag_s
         self._share = 1.0 - math.exp(-1.0 / (guidance_hz * lag)) if lag > 0.0 else 1.0
-        observed = OBSERVED if self._steady is not None else OBSERVED + WIND
+        in_air = () if air is None else rates_in_air(air)
+        self._air_turns = bool(in_air)
+        observed = OBSERVED if self._steady is not None else OBSERVED + WIND + in_air
         self._read = tuple(node(fdm, name).get_double_value for name in observed)
         self._set_elevator = node(fdm, "fcs/elevator-cmd-norm").set_double_value
         self._set_aileron = node(fdm, "fcs/aileron-cmd-norm").set_double_value
@@ -240,11 +248,20 @@ class JsbsimPlant:
         load_factor = self._per_lift * down_force
         if self._steady is None:
             east, north, down, *rest = rest
+            rest = rest[-4:]  # between them stand the rates in air that turns
             air: tuple[Any, Any, Any] = (FT * east, FT * north, -FT * down)
         else:
             air = self._steady
         motion = (x, y, z, FT * ve, FT * vn, -FT * vd, bank, pitch, heading, load_factor, FT * airspeed, alpha, beta, p, q, r)
         return make(State, (*motion, *rest, *air))
+
+    def air_rotation(self, sample: Sequence[Any]) -> tuple[Any, Any, Any]:
+        """The aircraft's rates less those that its aerodynamics use."""
+        if not self._air_turns:
+            return 0.0, 0.0, 0.0
+        end = len(OBSERVED)
+        (p, q, r), (p_air, q_air, r_air) = sample[end - 3 : end], sample[end + len(WIND) : end + len(WIND) + 3]
+        return p - p_air, q - q_air, r - r_air
 
     def _place(self, ex: Any, ey: Any, ez: Any) -> tuple[Any, Any, Any]:
         """ENU metres of ECEF feet. ECEF at longitude 0: east is +y, north and up lie in the x-z plane."""
