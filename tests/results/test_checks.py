@@ -120,7 +120,7 @@ def test_air_that_turns_another_wing_fails() -> None:
     assert not misses(campaign, records)
     rates = {f"dryden in jsbsim gtm_t2: {what} {axis}" for what in ("sigma", "power") for axis in ("roll", "pitch", "yaw")}
     weak = [with_column(record, "air.rotation_body_radps", lambda rotation: 0.8 * rotation) for record in records]
-    assert misses(campaign, weak) == rates
+    assert {name.split(" from ")[0] for name in misses(campaign, weak)} == rates
     wide, wider = flown("turbulence", "gtm_t2", overrides=["replicates=4", "check.span_m=2.6"])
     assert misses(wide, wider) >= {name for name in rates if "sigma" in name}
     still, stiller = flown("turbulence", "gtm_t2", overrides=["replicates=1", "check.span_m="])

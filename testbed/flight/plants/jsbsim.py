@@ -221,7 +221,7 @@ class JsbsimPlant:
             switch_on(lambda name: node(fdm, name), air.built_in)
 
     def _stepper(self, feed: GustFeed, plant_hz: int) -> Callable[[], object]:
-        """A step in air that changes: it feels the air of its end, at the place of one step ago."""
+        """A step in air that changes: it feels the air of its end, at the place and attitude of one step ago."""
         (read_x, read_y, read_z), run, tick = self._read[:3], self.step_bare, 0
 
         def step() -> None:

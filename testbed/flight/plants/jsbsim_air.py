@@ -48,7 +48,10 @@ class GustFeed:
 
 
 def rotary_feed(lookup: Lookup, rotation: Wind) -> Callable[[float, Vec3], None]:
-    """Writes the angular velocity of the air (ENU, rad/s) into JSBSim in body axes, with the attitude that JSBSim has at that moment."""
+    """Writes the angular velocity of the air (ENU, rad/s) into JSBSim in body axes.
+
+    The attitude is what JSBSim has at that moment: of one step ago, as the place is; at the start of the last probe of the start.
+    """
     bank, pitch, heading = (lookup(f"attitude/{angle}-rad").get_double_value for angle in ("phi", "theta", "psi"))
     set_p, set_q, set_r = (lookup(name).set_double_value for name in ROTARY_GUST)
 
