@@ -100,6 +100,8 @@ class FlightRecord:
     ``own.bank_rad`` ``own.pitch_rad`` ``own.heading_rad`` ``own.load_factor`` ``own.airspeed_mps`` ``own.alpha_rad``
     ``own.beta_rad`` (n,); ``own.rates_body_radps`` (n,3); ``own.throttle`` ``own.elevator`` ``own.aileron`` ``own.rudder`` (n,) commands;
     ``air.wind_enu_mps`` (n,3) velocity of the air over the ground at the aircraft, gusts included: airspeed = |velocity - wind|;
+    ``air.rotation_body_radps`` (n,3) angular velocity of the air about the wing in body axes, which the aerodynamics feel taken off the
+    aircraft's rates: 0 in calm air, NaN for a point;
     ``guidance.s_m`` ``guidance.bank_cmd_rad`` ``guidance.load_factor_cmd`` (n,), ``guidance.saturated`` (n,) 0 or 1,
     and why: ``guidance.limited`` (n,) 1 for bank plus 2 for load factor, ``own.at_stop`` (n,) 1 when a surface is at its stop;
     ``path.index`` (n,) which of ``paths`` was active; ``path.leg`` (n,) piece of that path;

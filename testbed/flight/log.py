@@ -31,6 +31,7 @@ STATE_COLUMNS = {  # State field -> column
     "aileron": "own.aileron",
     "rudder": "own.rudder",
 }
+ROTATION = ("p_air", "q_air", "r_air")
 
 
 class FlightLog:
@@ -72,11 +73,12 @@ def finish(
 
 
 def _states(log: FlightLog, plant: Plant | None) -> dict[str, Array]:
-    """Every field of the state as an array (n,)."""
+    """Every field of the state as an array (n,), and what only the log needs: the air's rotation."""
     if plant is None:
-        return {name: np.empty(0) for name in State._fields}
+        return {name: np.empty(0) for name in (*State._fields, *ROTATION)}
     rows = np.frombuffer(b"".join(log.samples)).reshape(-1, len(plant.sample()))
-    field = plant.state(list(rows.T))._asdict()
+    columns = list(rows.T)
+    field = plant.state(columns)._asdict() | dict(zip(ROTATION, plant.air_rotation(columns), strict=True))
     return {name: column if np.ndim(column) else np.full(len(rows), column) for name, column in field.items()}
 
 
@@ -88,6 +90,7 @@ def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[
         "own.pos_enu_m": np.column_stack([field[name] for name in ("x", "y", "z")]),
         "own.vel_enu_mps": np.column_stack([field[name] for name in ("vx", "vy", "vz")]),
         "air.wind_enu_mps": np.column_stack([field[name] for name in ("wx", "wy", "wz")]),
+        "air.rotation_body_radps": np.column_stack([field[name] for name in ROTATION]),
         "own.rates_body_radps": np.column_stack([field[name] for name in ("p", "q", "r")]),
         "own.quat_enu_from_body_xyzw": quat_xyzw_from_euler(field["bank"], field["pitch"], field["heading"]),
         **{column: np.array(field[name]) for name, column in STATE_COLUMNS.items()},

@@ -111,7 +111,7 @@ class NoTurbulence(Section):
 
 
 class DrydenTurbulence(Section):
-    """One frozen MIL-F-8785C Dryden series per seed, the same for every plant, method and aircraft."""
+    """One frozen MIL-F-8785C Dryden series per seed, the same for every plant, method and aircraft; a wing also feels it turn."""
 
     kind: Literal["dryden"]
     severity: Severity
@@ -121,7 +121,7 @@ class DrydenTurbulence(Section):
 
 
 class JsbsimTurbulence(Section):
-    """JSBSim's own turbulence, rotary gusts included. It depends on what is flown: equal seeds mean equal noise, not equal air."""
+    """JSBSim's own turbulence, with filters of its own. It depends on what is flown: equal seeds mean equal noise, not equal air."""
 
     kind: Literal["jsbsim"]
     severity: Severity

@@ -49,6 +49,8 @@ class TurbulenceStatistics(CheckSection):
     """How many standard errors of the estimate itself a standard deviation may be off."""
     band_share_tolerance: Positive
     """Largest error of the power in a band of frequencies, as a share of the power specified there, beside the statistical error."""
+    span_m: Positive | None = None
+    """Wing span that the roll, pitch and yaw rates of the air are specified for, m; empty: they are not judged."""
 
 
 class WindInvariance(CheckSection):

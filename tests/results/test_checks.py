@@ -121,6 +121,20 @@ def test_turbulence_of_another_severity_or_scale_fails() -> None:
     assert any("power" in quantity for quantity in misses(campaign, [with_plan(record, air=low) for record in records]))
 
 
+@pytest.mark.slow
+def test_air_that_turns_another_wing_fails() -> None:
+    """A quarter more span is more than the statistics allow, and so is a fifth less of the rates; without a span none is judged."""
+    campaign, records = flown("turbulence", "gtm_t2", overrides=["replicates=4"])
+    assert not misses(campaign, records)
+    rates = {f"dryden in jsbsim gtm_t2: {what} {axis}" for what in ("sigma", "power") for axis in ("roll", "pitch", "yaw")}
+    weak = [with_column(record, "air.rotation_body_radps", lambda rotation: 0.8 * rotation) for record in records]
+    assert {name.split(" from ")[0] for name in misses(campaign, weak)} == rates
+    wide, wider = flown("turbulence", "gtm_t2", overrides=["replicates=4", "check.span_m=2.6"])
+    assert misses(wide, wider) >= {name for name in rates if "sigma" in name}
+    still, stiller = flown("turbulence", "gtm_t2", overrides=["replicates=1", "check.span_m="])
+    assert not any(name in str(judged(still, stiller)) for name in ("roll", "pitch", "yaw"))
+
+
 def test_a_turn_with_another_bank_or_a_slip_fails() -> None:
     campaign, records = flown("steady_turn", "gtm_t2/left")
     assert not misses(campaign, records)
@@ -134,8 +148,8 @@ def test_an_aircraft_of_another_weight_fails(monkeypatch: pytest.MonkeyPatch) ->
     """A broken plant: with 2 lb less fuel in the tank (3.5 % of its weight) the aircraft is not the one of its data sheet."""
     load = jsbsim.load_model
 
-    def light(aircraft: Aircraft, plant_hz: int) -> Any:
-        fdm = load(aircraft, plant_hz)
+    def light(aircraft: Aircraft, plant_hz: int, air_turns: bool) -> Any:
+        fdm = load(aircraft, plant_hz, air_turns)
         fdm["propulsion/tank/contents-lbs"] = 9.48
         return fdm
 

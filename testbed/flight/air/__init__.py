@@ -1,7 +1,8 @@
 """The one source of air for every plant, method and aircraft: mean wind, a discrete gust, a frozen turbulence.
 
 Everything in it depends on the plan alone, never on what is flown in it: two methods, plants or aircraft of the same seed and the
-same set speed meet the same air. (JSBSim's own turbulence is the exception, and the reason why it is an option only.)
+same set speed meet the same air, and how much a wing feels of its rotation depends on the span alone. (JSBSim's own turbulence is the
+exception, and the reason why it is an option only.)
 """
 
 from testbed.flight.air.model import CALM, AirModel, BuiltIn, make_air

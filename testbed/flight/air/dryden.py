@@ -11,8 +11,7 @@ the series has these autocorrelations at its samples whatever the step, from the
 A series is sampled at ``SERIES_HZ`` whatever the rate of the plant, which interpolates: refining a plant's step does not change its
 air. Half-way between samples that costs 0.75 V/(L SERIES_HZ) of the variance: 0.2 % at 50 m/s, 200 m above the ground.
 
-Rotary gusts are not in it: JSBSim takes none from outside (its p, q, r gusts are read-only), and an aircraft much smaller than the
-scale L feels little of them.
+What turns the air about a wing follows from these series, see ``rotary.py``.
 """
 
 import math

@@ -76,6 +76,9 @@ class Plant(Protocol):
     def state(self, sample: Sequence[Any]) -> State:
         """The state in a sample. Arithmetic only, so that columns (n,) in give columns out."""
 
+    def air_rotation(self, sample: Sequence[Any]) -> tuple[Any, Any, Any]:
+        """Angular velocity of the air in body axes, rad/s, in a sample or in columns; for the log. NaN for a point, which has no wing."""
+
     def follow(self, path: "Followable", s_m: float) -> None:
         """A new path is active, and the aircraft stands at ``s_m`` of it (only a point on rails needs to know)."""
 

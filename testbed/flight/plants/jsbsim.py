@@ -15,7 +15,7 @@ from testbed.flight.air import AirModel, ground_speed_along
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, Followable, Start, State, TrimFailedError, make
-from testbed.flight.plants.jsbsim_air import WIND, GustFeed, switch_on
+from testbed.flight.plants.jsbsim_air import WIND, GustFeed, rates_in_air, switch_on
 from testbed.flight.plants.jsbsim_model import changed_root
 from testbed.flight.plants.kinematic import coordinated
 from testbed.frames import Vec3, body_rates, enu_from_wind_axes, euler_from_enu_from_body
@@ -40,6 +40,7 @@ OBSERVED = (
     "velocities/q-rad_sec",
     "velocities/r-rad_sec",
 )
+CONTROLS_END = len(OBSERVED) + 4  # in a sample: throttle, elevator, aileron and rudder come next, then the air where it changes
 
 
 class _Quiet(jsbsim.FGLogger):
@@ -55,8 +56,11 @@ class _Quiet(jsbsim.FGLogger):
 _quiet = _Quiet()
 
 
-def load_model(aircraft: Aircraft, plant_hz: int) -> jsbsim.FGFDMExec:
-    """A fresh executive with the aircraft loaded (a used one keeps fuel, engine and filter state: never reuse it)."""
+def load_model(aircraft: Aircraft, plant_hz: int, air_turns: bool = False) -> jsbsim.FGFDMExec:
+    """A fresh executive with the aircraft loaded (a used one keeps fuel, engine and filter state: never reuse it).
+
+    ``air_turns``: its aerodynamics feel the angular velocity of the air that is written into it.
+    """
     jsbsim.FGJSBBase().debug_lvl = 0
     jsbsim.set_logger(_quiet)
     file = model_file(aircraft)
@@ -64,7 +68,7 @@ def load_model(aircraft: Aircraft, plant_hz: int) -> jsbsim.FGFDMExec:
     fdm.set_dt(1.0 / plant_hz)
     for motion, rule in INTEGRATORS.items():
         node(fdm, f"simulation/integrator/{motion}").set_double_value(rule)
-    with changed_root(file, aircraft.model.factors) as root:
+    with changed_root(file, aircraft.model.factors, air_turns) as root:
         fdm.set_aircraft_path(str(root))
         if not fdm.load_model(aircraft.model.name):
             raise FileNotFoundError(f"JSBSim cannot load '{aircraft.model.name}' ({aircraft.model.files} files)")
@@ -122,7 +126,9 @@ def _trims(fdm: jsbsim.FGFDMExec) -> bool:
     return True
 
 
-def spool_up(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, start: Start, level: Trim, height_m: float) -> tuple[jsbsim.FGFDMExec, Trim]:
+def spool_up(
+    fdm: jsbsim.FGFDMExec, aircraft: Aircraft, start: Start, level: Trim, height_m: float, air_turns: bool = False
+) -> tuple[jsbsim.FGFDMExec, Trim]:
     """Trim again in the climb of the path, so that the engine starts with the power that the path needs there.
 
     An engine that needs seconds to spool up would otherwise start every climbing flight late. Where the climb cannot be trimmed
@@ -135,7 +141,7 @@ def spool_up(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, start: Start, level: Tri
     fdm.run_ic()
     if _trims(fdm):
         return fdm, Trim(level.throttle, fdm["aero/alpha-rad"])
-    fresh = load_model(aircraft, round(1.0 / fdm.get_delta_t()))
+    fresh = load_model(aircraft, round(1.0 / fdm.get_delta_t()), air_turns)
     return fresh, trim_level(fresh, aircraft, start.speed, height_m)
 
 
@@ -175,8 +181,8 @@ def begin(fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float, feed
     issue(fdm, start, trim.alpha, max(-5.0 * DEG, min(5.0 * DEG, extra)), height_m)
 
 
-def _sampler(read: Sequence[Read], wind: Sequence[Read], controls: Sequence[float]) -> Callable[[], Sequence[float]]:
-    """One row of the raw log: what JSBSim has, then the controls as they are by then.
+def _sampler(read: Sequence[Read], read_air: Sequence[Read], controls: Sequence[float]) -> Callable[[], Sequence[float]]:
+    """One row of the raw log: what JSBSim has, then the controls as they are by then, then the air where it changes.
 
     A closure over the reads, called one by one: the quickest that the language has, and this is called at every step.
     """
@@ -192,9 +198,9 @@ def _sampler(read: Sequence[Read], wind: Sequence[Read], controls: Sequence[floa
     # fmt: on
 
     def moving() -> Sequence[float]:
-        return (*still(), *[component() for component in wind])
+        return (*still(), *[part() for part in read_air])
 
-    return moving if wind else still
+    return moving if read_air else still
 
 
 class JsbsimPlant:
@@ -203,9 +209,10 @@ class JsbsimPlant:
     def __init__(
         self, aircraft: Aircraft, start: Start, plant_hz: int, guidance_hz: int, terrain_z_m: float, air: AirModel | None = None
     ) -> None:
-        fdm = load_model(aircraft, plant_hz)
+        turns = air is not None and air.rotation is not None
+        fdm = load_model(aircraft, plant_hz, turns)
         height = start.pos[2] - terrain_z_m
-        fdm, trim = spool_up(fdm, aircraft, start, trim_level(fdm, aircraft, start.speed, height), height)
+        fdm, trim = spool_up(fdm, aircraft, start, trim_level(fdm, aircraft, start.speed, height), height, turns)
         self._steady = start.wind if air is None else air.steady
         feed = GustFeed(lambda name: node(fdm, name), air, start.wind) if air is not None and air.steady is None else None
         begin(fdm, start, trim, height, feed)
@@ -215,8 +222,10 @@ class JsbsimPlant:
         self._memory = Memory()
         lag = aircraft.command_lag_s
         self._keep = math.exp(-1.0 / (guidance_hz * lag)) if lag > 0.0 else 0.0  # of a command, until the next one
+        in_air = () if air is None else rates_in_air(air)
+        self._air_turns = bool(in_air)
         read = tuple(node(fdm, name).get_double_value for name in OBSERVED)
-        wind = tuple(node(fdm, name).get_double_value for name in WIND) if self._steady is None else ()
+        read_air = tuple(node(fdm, name).get_double_value for name in WIND + in_air) if self._steady is None else ()
         self._ground_force = node(fdm, "forces/fbz-gear-lbs").get_double_value
         self._set_elevator = node(fdm, "fcs/elevator-cmd-norm").set_double_value
         self._set_aileron = node(fdm, "fcs/aileron-cmd-norm").set_double_value
@@ -227,7 +236,7 @@ class JsbsimPlant:
         self.step: Callable[[], object] = fdm.run
         # throttle, elevator, aileron, rudder; the surfaces beside their trim, of which JSBSim keeps only the pitch in a property of its own
         self._controls = [float(fdm["fcs/throttle-cmd-norm"]), 0.0, 0.0, 0.0]
-        self.sample: Callable[[], Sequence[float]] = _sampler(read, wind, self._controls)
+        self.sample: Callable[[], Sequence[float]] = _sampler(read, read_air, self._controls)
         self._aileron_trim, self._rudder_trim = fdm["fcs/aileron-cmd-norm"], fdm["fcs/rudder-cmd-norm"]  # against a propeller's torque
         self._origin = (*(position() for position in read[:3]), *start.pos)
         latitude = fdm["position/lat-geod-rad"]
@@ -237,8 +246,8 @@ class JsbsimPlant:
         if air is not None and air.built_in is not None:
             switch_on(lambda name: node(fdm, name), air.built_in)
 
-    def _stepper(self, feed: GustFeed, position: Sequence[Callable[[], float]], plant_hz: int) -> Callable[[], object]:
-        """A step in air that changes: it feels the air of its end, at the place of one step ago."""
+    def _stepper(self, feed: GustFeed, position: Sequence[Read], plant_hz: int) -> Callable[[], object]:
+        """A step in air that changes: it feels the air of its end, at the place and attitude of one step ago."""
         (read_x, read_y, read_z), run, tick = position, self.step_bare, 0
 
         def step() -> None:
@@ -259,20 +268,27 @@ class JsbsimPlant:
     def state(self, sample: Sequence[Any]) -> State:
         # fmt: off
         if self._steady is None:
-            *sample, east, north, down = sample
+            east, north, down = sample[CONTROLS_END : CONTROLS_END + 3]
             wx, wy, wz = FT * east, FT * north, -FT * down
         else:
             wx, wy, wz = self._steady
         (
             ex, ey, ez, ve, vn, vd, bank, pitch, heading, down_force, airspeed, alpha, beta, p, q, r,
             throttle, elevator, aileron, rudder,
-        ) = sample
+        ) = sample[:CONTROLS_END]
         x, y, z = self._place(ex, ey, ez)
         return make(State, (
             x, y, z, FT * ve, FT * vn, -FT * vd, bank, pitch, heading, self._per_lift * down_force, FT * airspeed, alpha, beta, p, q, r,
             throttle, elevator, aileron, rudder, wx, wy, wz,
         ))
         # fmt: on
+
+    def air_rotation(self, sample: Sequence[Any]) -> tuple[Any, Any, Any]:
+        """The aircraft's rates less those that its aerodynamics use."""
+        if not self._air_turns:
+            return 0.0, 0.0, 0.0
+        (p, q, r), (p_air, q_air, r_air) = sample[len(OBSERVED) - 3 : len(OBSERVED)], sample[-3:]
+        return p - p_air, q - q_air, r - r_air
 
     def _place(self, ex: Any, ey: Any, ez: Any) -> tuple[Any, Any, Any]:
         """ENU metres of ECEF feet. ECEF at longitude 0: east is +y, north and up lie in the x-z plane."""

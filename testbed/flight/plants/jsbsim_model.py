@@ -1,4 +1,4 @@
-"""The data in an aircraft's JSBSim file that a factor can change: its aerodynamic derivatives and the lags of its actuators.
+"""What is changed in an aircraft's JSBSim file as it is loaded: derivatives and lags by factors, and the air that its wing turns in.
 
 A derivative is what JSBSim adds up along an axis: one ``<function>`` of one ``<axis>``, under the function's name. Where such a
 function is no more than a product of properties, one of which is a polynomial (a function outside the axes whose body is a
@@ -8,6 +8,9 @@ a factor for each would be no spread of any derivative. The constant is a deriva
 
 A lag is an ``<actuator>`` with a number for its ``<lag>``, under the actuator's name; JSBSim's number is 1/s, so it is divided.
 An ``<aerodynamics file=>`` or ``<flight_control file=>`` is read in; lags in ``<system file=>`` stay as they are.
+
+JSBSim takes no rotary gust from outside: its p, q, r gusts are read-only. For air that turns, the aerodynamics get a property to write
+each of them to, a function that takes it off the aircraft's rate, and that function wherever they use the rate.
 """
 
 import re
@@ -24,6 +27,12 @@ PROPERTIES = ("property", "p", "independentVar")
 WORDS = ("description", "documentation")  # what may stand in a function beside its body
 ALPHA = "aero/alpha-rad"
 SCALES = ("aero/bi2vel", "aero/ci2vel")  # make a rate dimensionless
+AERO_RATES = tuple(f"velocities/{axis}-aero-rad_sec" for axis in "pqr")
+"""The aircraft's rates through the air, rad/s: what turns in JSBSim's own turbulence is taken off already."""
+ROTARY_GUST = tuple(f"atmosphere/rotary-gust/{axis}-rad_sec" for axis in "pqr")
+"""Angular velocity of the air in body axes, rad/s, to be written to; in a file for air that turns."""
+IN_ROTATING_AIR = tuple(f"aero/in-rotating-air/{axis}-rad_sec" for axis in "pqr")
+"""What such a file's aerodynamics use for ``AERO_RATES``. Other rates (``velocities/p-rad_sec``) stay, and do not feel the air turn."""
 MARK = "\ue000"  # of a private-use area: in no file
 
 
@@ -62,19 +71,19 @@ class ModelFile(NamedTuple):
         return self.texts[0] + "".join(number + text for number, text in zip(numbers, self.texts[1:], strict=True))
 
 
-def read_model(file: Path) -> ModelFile:
-    """The aircraft file, read once in a process as long as it does not change."""
-    return _read(file, file.stat().st_mtime_ns)
+def read_model(file: Path, air_turns: bool = False) -> ModelFile:
+    """The aircraft file, for air that turns if told so, read once in a process as long as it does not change."""
+    return _read(file, file.stat().st_mtime_ns, air_turns)
 
 
 @contextmanager
-def changed_root(file: Path, factors: Mapping[str, float]) -> Iterator[Path]:
+def changed_root(file: Path, factors: Mapping[str, float], air_turns: bool = False) -> Iterator[Path]:
     """A folder of aircraft in which JSBSim finds ``<root>/<name>/<name>.xml`` with those factors, until the end of the block.
 
-    Everything else of the aircraft's folder (engines, systems, what is included) is there by links. Without factors it is the
-    folder where the file is.
+    Everything else of the aircraft's folder (engines, systems, what is included) is there by links. Without factors, and in air that
+    does not turn, it is the folder where the file is.
     """
-    if not factors:
+    if not factors and not air_turns:
         yield file.parent.parent
         return
     with TemporaryDirectory(prefix="aircraft-") as root:
@@ -83,12 +92,12 @@ def changed_root(file: Path, factors: Mapping[str, float]) -> Iterator[Path]:
         for beside in file.parent.resolve().iterdir():
             if beside.name != file.name:
                 (folder / beside.name).symlink_to(beside)
-        (folder / file.name).write_text(read_model(file).changed(factors), encoding="utf-8")
+        (folder / file.name).write_text(read_model(file, air_turns).changed(factors), encoding="utf-8")
         yield Path(root)
 
 
 @lru_cache(maxsize=32)
-def _read(file: Path, _changed_ns: int) -> ModelFile:
+def _read(file: Path, _changed_ns: int, air_turns: bool) -> ModelFile:
     root = ElementTree.parse(file).getroot()
     places: list[Place] = []
 
@@ -105,6 +114,8 @@ def _read(file: Path, _changed_ns: int) -> ModelFile:
             ElementTree.SubElement(product, "value").text = put(Place(name, 1.0, False))
             product.append(term)
             owner[list(owner).index(term)] = product
+        if air_turns:
+            _turn(aerodynamics)
     for actuator in root.iter("actuator"):
         lag = actuator.find("lag")
         if lag is not None and (value := _number(lag.text)) is not None:
@@ -119,6 +130,22 @@ def _include(section: Element, folder: Path) -> None:
     if name := section.attrib.pop("file", ""):
         path = folder / name
         section[:] = list(ElementTree.parse(path if path.suffix == ".xml" else path.with_name(f"{path.name}.xml")).getroot())
+
+
+def _turn(aerodynamics: Element) -> None:
+    """Take the rotary gusts off the rates that the aerodynamics use: JSBSim evaluates the functions of a section in their order."""
+    felt = dict(zip(AERO_RATES, IN_ROTATING_AIR, strict=True))
+    for part in aerodynamics.iter():
+        if part.tag in PROPERTIES and (name := _name(part)) in felt:
+            part.text = (part.text or "").replace(name, felt[name])
+    for rate, gust, in_air in reversed(tuple(zip(AERO_RATES, ROTARY_GUST, IN_ROTATING_AIR, strict=True))):
+        function = Element("function", name=in_air)
+        difference = ElementTree.SubElement(function, "difference")
+        ElementTree.SubElement(difference, "property").text = rate
+        ElementTree.SubElement(difference, "property").text = gust
+        declared = Element("property", value="0")
+        declared.text = gust
+        aerodynamics[:0] = [declared, function]
 
 
 def _derivatives(aerodynamics: Element) -> list[tuple[str, Element, Element]]:

@@ -52,6 +52,10 @@ class KinematicPlant:
     def touches_ground(self) -> bool:
         return False
 
+    def air_rotation(self, sample: Sequence[Any]) -> tuple[float, float, float]:  # noqa: ARG002
+        """A point has no wing that could feel it."""
+        return math.nan, math.nan, math.nan
+
     def sample(self) -> Sequence[float]:
         assert self._path is not None, "follow() comes first"
         s = min(self._s(), self._path.length_m)

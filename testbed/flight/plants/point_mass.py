@@ -179,6 +179,10 @@ class PointMassPlant:
     def state(self, sample: Sequence[Any]) -> State:
         return State._make(sample)
 
+    def air_rotation(self, sample: Sequence[Any]) -> tuple[float, float, float]:  # noqa: ARG002
+        """A point has no wing that could feel it."""
+        return NAN, NAN, NAN
+
     def _rates(self, v: float, climb: float, bank: float, n: float) -> tuple[float, float, float]:
         cos = math.cos(climb)
         accel = 0.0 if self._hold_speed else G0_MPS2 * (self._thrust - self._drag(v, n) - math.sin(climb))
