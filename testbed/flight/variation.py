@@ -37,8 +37,8 @@ def variation(plan: FlightPlan) -> dict[str, float]:
     derivatives: Sequence[str] = ()
     lags: Sequence[str] = ()
     if plan.plant.kind == "jsbsim" and (vary.derivatives_share or vary.lags_share):
-        from testbed.flight.plants.jsbsim import model_file  # JSBSim is loaded only by flights that need it
         from testbed.flight.plants.jsbsim_model import read_model
+        from testbed.flight.plants.jsbsim_start import model_file  # JSBSim is loaded only by flights that need it
 
         model = read_model(model_file(load_aircraft(plan.aircraft)))
         derivatives, lags = model.derivatives, model.lags

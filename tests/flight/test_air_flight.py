@@ -9,7 +9,8 @@ from pydantic import ValidationError
 from testbed import fly, measure
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import start_of
-from testbed.flight.plants.jsbsim import JsbsimPlant, issue, load_model, trim_level
+from testbed.flight.plants.jsbsim import JsbsimPlant
+from testbed.flight.plants.jsbsim_start import issue, load_model, trim_level
 from testbed.flight.scene import make_scene
 from testbed.types import FlightRecord
 from testbed.units import DEG

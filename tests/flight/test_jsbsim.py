@@ -7,7 +7,7 @@ import pytest
 
 from testbed import fly, measure
 from testbed.flight.aircraft import load_aircraft
-from testbed.flight.plants.jsbsim import load_model, node, trim_level
+from testbed.flight.plants.jsbsim_start import load_model, node, trim_level
 from testbed.types import FlightRecord, Outcome
 from testbed.units import DEG
 from tests.plans import C172P, GTM, PAPER_ROUTE, paper_obstacle, plan

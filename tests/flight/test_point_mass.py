@@ -255,14 +255,16 @@ def test_the_gust_switch_costs_nothing_where_there_is_no_gust() -> None:
 
 
 def test_in_turbulence_it_is_loaded_as_the_aeroplane_is() -> None:
-    """Standard deviation of the load factor over a level kilometre in moderate turbulence: 8 % off as measured, a tenth without."""
+    """Standard deviation of the load factor over a level kilometre in moderate turbulence: 16 % less as measured, since air that turns
+    loads a wing as well; a tenth without the gust load.
+    """
     level = {"start_enu_m": [0, 0, 0], "goal_enu_m": [1000, 0, 0], "start_direction_deg": [0, 0], "goal_direction_deg": [0, 0]}
 
     def deviation(**how: object) -> float:
         return float(np.std(fly(plan(route=level, aircraft="gtm_t2", **MODERATE, **how)).columns["own.load_factor"]))
 
     aeroplane = deviation(plant={"kind": "jsbsim"})
-    assert deviation(**POINT) == pytest.approx(aeroplane, rel=0.15)
+    assert deviation(**POINT) == pytest.approx(aeroplane, rel=0.2)
     assert deviation(plant={"kind": "point_mass", "ideal": ["gust"]}) < 0.1 * aeroplane
 
 

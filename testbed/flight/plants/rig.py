@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from testbed.flight.aircraft import Aircraft
-from testbed.flight.plants.jsbsim import load_model, node, trim_level
+from testbed.flight.plants.jsbsim_start import load_model, node, trim_level
 from testbed.units import FT
 
 Array = np.ndarray
