@@ -34,6 +34,7 @@ TOUCH_M = 1e-6  # a sphere that is touched is not entered
 GATE_M = 20.0  # a flight that crosses the goal's plane this near to it has reached the goal
 ON_PLANE_M = 1e-9
 HIGHEST_M = 1e5  # a state above this has diverged
+REACH_M = 50.0  # no wing is longer
 SHOWN = 12  # differences that are listed
 
 NO_LOSS = ("replanned", "rejoined", "none", "clear")  # decisions that leave a flight with a path
@@ -195,11 +196,14 @@ def outcome_of(raw: Raw, clearance: float, end: End) -> str:
     """How the flight ended, by the order of precedence: diverged, ground, collision, no path, time, goal."""
     if not len(raw.pos):
         return "no_path"
-    z = raw.pos[-1, 2]
-    if z <= raw.about["terrain_z_m"]:
-        return "hit_ground"
+    z, limit_s = raw.pos[-1, 2], raw.about["longest_s"]
+    height = z - raw.about["terrain_z_m"]
     if not z < HIGHEST_M or not np.isfinite(raw.vel[-1]).all():
         return "diverged"
+    # a wing or a wheel touches before the centre of gravity does, and nothing else ends a flight before its time and its goal
+    early = not end.at_goal and limit_s is not None and raw.time_s[-1] < limit_s
+    if height <= 0.0 or (height < REACH_M and early):
+        return "hit_ground"
     if clearance < -TOUCH_M:
         return "collided"
     if not end.at_goal:

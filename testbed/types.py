@@ -1,5 +1,6 @@
 """What comes out of a flight: outcome, record, re-plans, metrics. Frozen values; arrays are never written to again."""
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
@@ -116,6 +117,7 @@ class FlightRecord:
     events: tuple[ReplanEvent, ...]
     paths: tuple[PlannedPath, ...]
     message: str = ""  # one sentence about an outcome that is not REACHED
+    longest_s: float = math.inf  # how long the flight was allowed to take
     timings: tuple[tuple[str, float], ...] = ()  # wall-clock seconds per stage; not part of the result
 
 

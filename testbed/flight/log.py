@@ -67,9 +67,9 @@ def finish(
     for column in columns.values():
         column.flags.writeable = False
     paths = tuple(PlannedPath(t, Chain(path.curves)) for t, path in log.paths)
-    return FlightRecord(
-        log.plan, outcome, columns, tuple(log.events), paths, message, tuple({**timings, "log_s": perf_counter() - began}.items())
-    )
+    longest_s = scene.longest_s if scene else 0.0
+    took = tuple({**timings, "log_s": perf_counter() - began}.items())
+    return FlightRecord(log.plan, outcome, columns, tuple(log.events), paths, message, longest_s, took)
 
 
 def _states(log: FlightLog, plant: Plant | None) -> dict[str, Array]:

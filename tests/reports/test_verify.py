@@ -168,6 +168,20 @@ def test_flights_that_never_began_are_checked_too(tmp_path: Path) -> None:
     assert (code, said.splitlines()[0]) == (0, "1 flights checked of 1 planned, in 1 cells")
 
 
+@pytest.mark.parametrize("aircraft", ["gtm_t2", "c172p"])
+def test_a_flight_that_came_down_is_told_from_one_that_ran_out_of_time(tmp_path: Path, script, aircraft: str) -> None:
+    """A wheel, a wing or a belly touches before the centre of gravity is down."""
+    route = "{start_enu_m: [0, 0, 0], goal_enu_m: [600, 0, -150], start_direction_deg: [0, -5], goal_direction_deg: [0, -20]}"
+    campaign = CAMPAIGN[: CAMPAIGN.index("geometry")] + "method: {kind: none}\nplant: {kind: jsbsim}\n"
+    folder = fly(tmp_path, None, (f"route={route}", "terrain_z_m=-60", f"aircraft={aircraft}"), campaign)
+    assert ",hit_ground," in (folder / "results.csv").read_text()
+    assert verify(folder)[0] == 0
+    (file,) = (folder / "columns").iterdir()
+    raw = script.read_raw(file)
+    raw.about["longest_s"] = raw.time_s[-1]
+    assert script.outcome_of(raw, 1.0, script.end_of(raw)) == "timed_out"
+
+
 @pytest.mark.slow
 def test_raw_columns_are_the_same_bytes_whatever_flies_them(flown: Path, tmp_path: Path) -> None:
     again = fly(tmp_path, engine=LocalEngine(2))
