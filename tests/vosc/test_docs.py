@@ -11,12 +11,24 @@ from vosc.methods import METHODS
 PAGES = Path(__file__).parents[2] / "docs" / "methods"
 
 
-@pytest.fixture(scope="module")
-def make():
-    spec = importlib.util.spec_from_file_location("docs_methods_make", PAGES / "make.py")
+def script(path: Path):
+    spec = importlib.util.spec_from_file_location(f"docs_{path.stem}", path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="module")
+def make():
+    return script(PAGES / "make.py")
+
+
+def check_current(file: Path, picture: str) -> None:
+    """A last digit may round otherwise elsewhere."""
+    drawn = file.read_text(encoding="utf-8")
+    numbers = [[float(x) for x in re.findall(r"-?\d+\.\d+", text)] for text in (drawn, picture)]
+    assert numbers[0] == pytest.approx(numbers[1], abs=0.11)
+    assert re.sub(r"-?\d+\.\d+", "", drawn) == re.sub(r"-?\d+\.\d+", "", picture)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -26,10 +38,16 @@ def test_page_has_its_parts_and_its_picture_is_current(method, make):
     assert f"]({method}.svg)" in page
     for part in ("**Assumes.**", "**Formula.**", "**Notes.**"):
         assert part in page
-    drawn = (PAGES / f"{method}.svg").read_text(encoding="utf-8")
-    numbers = [[float(x) for x in re.findall(r"-?\d+\.\d+", text)] for text in (drawn, make.picture(method))]
-    assert numbers[0] == pytest.approx(numbers[1], abs=0.11)  # a last digit may round otherwise elsewhere
-    assert re.sub(r"-?\d+\.\d+", "", drawn) == re.sub(r"-?\d+\.\d+", "", make.picture(method))
+    check_current(PAGES / f"{method}.svg", make.picture(method))
+
+
+def test_the_picture_of_the_insertion_pose_is_current_and_says_what_the_table_says():
+    pose = script(PAGES.parent / "insertion_pose.py")
+    check_current(PAGES.parent / "insertion_pose.svg", pose.picture())
+    (_, _, _, _, quintic), (_, _, _, _, widest) = pose.curves()
+    page = (PAGES.parent / "insertion_pose.md").read_text(encoding="utf-8")
+    assert f"PH quintic, {1.0 / quintic.max():.1f} m at its tightest" in page
+    assert f"widest curve, {1.0 / widest.max():.1f} m]" in page
 
 
 def test_table_has_every_method_and_a_small_run_agrees_with_it(make):
