@@ -42,7 +42,7 @@ paper-full: $(STAMP) ## the verdict with 100 seeds, 1000 encounters, 500 draws; 
 verify: $(STAMP) ## recompute the verdict of `make paper` from its raw columns, without the testbed's code
 	$(BIN)/python reports/verify.py reports/runs/paper
 
-lead-time: $(STAMP) ## the lead-time study, about twenty minutes: reports/lead_time
+lead-time: $(STAMP) ## the lead-time study, about half an hour: reports/lead_time
 	$(BIN)/testbed run campaigns/lead_time.yaml --fresh
 	mkdir -p reports/lead_time
 	cp reports/runs/lead-time/index.html reports/runs/lead-time/lead_time.csv reports/lead_time/
