@@ -45,7 +45,7 @@ METRICS = (
     Column("cross_track_max_m", "cross-track max", "m", 2, "high", "Largest distance to the path that was active at that instant."),
     Column("schedule_error_s", "schedule error", "s", 2, "", "How late (positive) or early it was along its path at the closest approach."),
     Column("max_bank_deg", "bank", "deg", 1, "high", "Largest bank angle, either side; of the point: what its path would need."),
-    Column("max_load_factor", "load factor", "", 2, "high", "Largest normal load factor (1 in level flight); where the flight came down, the blow included."),
+    Column("max_load_factor", "load factor", "", 2, "high", "Largest normal load factor (1 in level flight), a crash included."),
     Column("max_roll_rate_dps", "roll rate", "deg/s", 0, "high", "Largest roll rate, either side."),
     Column("min_airspeed_mps", "least airspeed", "m/s", 1, "low", "Least airspeed."),
     Column("max_alpha_deg", "alpha", "deg", 1, "high", "Largest angle of attack."),
