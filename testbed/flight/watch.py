@@ -28,7 +28,8 @@ class Watch:
                 continue
             wx, wy, wz = vx - ux, vy - uy, vz - uz
             closing = px * wx + py * wy + pz * wz
-            # least distance of the straight lines, squared, against the radius; what is added is for rounding only
-            if closing > 0.0 and square - closing * closing / (wx * wx + wy * wy + wz * wz) <= reach2 + 1e-9 * square:
+            speed2 = wx * wx + wy * wy + wz * wz
+            # least distance of the straight lines, squared, against the radius, both times speed2; what is added is for rounding only
+            if closing > 0.0 and square * speed2 - closing * closing <= (reach2 + 1e-9 * square) * speed2:
                 return True
         return False
