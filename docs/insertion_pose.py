@@ -1,7 +1,7 @@
 """Draws ``insertion_pose.svg``: ``python docs/insertion_pose.py``.
 
 The paper's pose of section 5.1 (first row of the table in insertion_pose.md): the canonical PH quintic with end tangents of one chord,
-which is the paper's curve, beside the widest curve. Left, seen from above; right, the turn that they ask for at 50 m/s, V^2 kappa / g.
+as the paper's curve is read here, beside the widest one. Left, seen from above; right, the turn that they ask for at 50 m/s, V^2 kappa / g.
 """
 
 import math
@@ -9,27 +9,23 @@ from pathlib import Path
 
 import numpy as np
 
+from testbed.frames import unit_from_direction
+from testbed.units import G0_MPS2
 from vosc import ph, widest_join
 
 HERE = Path(__file__).parent
 START, ALONG = (162.0, 101.0, 64.3), (24.7, 12.0)  # P_t; azimuth and elevation, deg
 END, THERE = (226.34, 159.56, 79.05), (36.6, 13.2)
-SPEED_MPS, G0_MPS2 = 50.0, 9.80665
+SPEED_MPS = 50.0
 PH, WIDEST, AXIS = "#c44e52", "#4c72b0", "#777"
 WIDTH, HEIGHT = 300, 260
 MOST_G = 5.0
 
 
-def direction(azimuth_deg: float, elevation_deg: float) -> tuple[float, float, float]:
-    """Unit vector."""
-    a, e = math.radians(azimuth_deg), math.radians(elevation_deg)
-    return math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)
-
-
 def curves() -> list[tuple[str, str, np.ndarray, np.ndarray, np.ndarray]]:
     """Name, colour, arc lengths (n,), points (n,3) and curvatures (n,) of each."""
     chord = math.dist(START, END)
-    along, there = direction(*ALONG), direction(*THERE)
+    along, there = unit_from_direction(*ALONG), unit_from_direction(*THERE)
     quintic = ph.hermite(START, [chord * c for c in along], END, [chord * c for c in there])
     s = np.linspace(0.0, quintic.length_m, 200)
     points, _, bend = quintic.sample(s)
@@ -62,7 +58,7 @@ def from_above() -> list[str]:
         out += [line(x, y, colour), text(150, HEIGHT - (14 if colour == PH else 30), name, colour)]
     for place, tangent, label in ((START, ALONG, "P_t"), (END, THERE, "Q")):
         x, y = 30 + scale * (place[0] - START[0]), HEIGHT - 50 - scale * (place[1] - START[1])
-        dx, dy, _ = direction(*tangent)
+        dx, dy, _ = unit_from_direction(*tangent)
         out.append(f'<line x1="{x:.1f}" y1="{y:.1f}" x2="{x + 40 * dx:.1f}" y2="{y - 40 * dy:.1f}" stroke="#000" stroke-dasharray="3 2"/>')
         out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.5"/>', text(x - 6, y + 16, label)]
     return out

@@ -55,10 +55,9 @@ class Chain:
         rows = np.empty((len(s_m), width))
         which = np.clip(np.searchsorted(self.starts_m, s_m, side="right") - 1, 0, None)
         inside = (s_m >= 0.0) & (s_m <= self.length_m)
-        for k, curve in enumerate(self.curves):
-            mine = inside & (which == k)
-            if mine.any():
-                rows[mine] = take(curve, np.clip(s_m[mine] - self.starts_m[k], 0.0, curve.length_m))
+        for k in np.unique(which[inside]):
+            mine, curve = inside & (which == k), self.curves[k]
+            rows[mine] = take(curve, np.clip(s_m[mine] - self.starts_m[k], 0.0, curve.length_m))
         for outside, end in ((s_m < 0.0, 0.0), (s_m > self.length_m, self.length_m)):
             if outside.any():
                 point, tangent, _ = self.frame(end)

@@ -20,7 +20,7 @@ class Outcome(Enum):
 
     CRASHED = "crashed"  # the program failed (a bug); the traceback is stored with the plan
     DIVERGED = "diverged"  # a state became non-finite or left the envelope of the model
-    HIT_GROUND = "hit_ground"
+    HIT_GROUND = "hit_ground"  # a wheel, a wing or the centre of gravity came down
     COLLIDED = "collided"  # came closer than the radius of an obstacle (the flight goes on)
     TRIM_FAILED = "trim_failed"
     NO_PATH = "no_path"  # no path could be planned from the present state

@@ -31,7 +31,7 @@ class Memory(NamedTuple):
     load_factor: float | None = None  # the command, as late as the aircraft answers it
 
 
-_Gains = make_dataclass("_Gains", AutopilotGains.model_fields, slots=True)  # the same names, looked up ten times as fast
+_Gains = make_dataclass("_Gains", AutopilotGains.model_fields, slots=True)  # the same names in slots: quicker to look up
 
 
 class Autopilot:

@@ -1,4 +1,4 @@
-"""The log of a flight: rows are appended as flat floats while it flies and become named columns once, at its end."""
+"""The log of a flight: rows are appended as packed doubles while it flies and become named columns once, at its end."""
 
 import struct
 from time import perf_counter
@@ -39,7 +39,7 @@ class FlightLog:
 
     def __init__(self, plan: FlightPlan, begin_s_m: float) -> None:
         self.plan, self.begin_s_m = plan, begin_s_m
-        self.samples: list[bytes] = []  # the plant's own rows, one a tick, packed as doubles: the cheapest thing to keep in the loop
+        self.samples: list[bytes] = []  # the plant's own rows, one a tick
         self.guidance: list[bytes] = []  # telemetry, and whether the aircraft was at a stop
         self.events: list[ReplanEvent] = []
         self.paths: list[tuple[float, ActivePath]] = []

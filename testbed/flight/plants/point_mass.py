@@ -106,7 +106,8 @@ class PointMassPlant:
         if self._hold_speed:
             self._speed = command.speed
         v, climb, track = self._speed, self._climb, self._track
-        n = self._carried(n, self._relieve(), v)
+        if self._gust_load or self._gust_integral:  # never in smooth air
+            n = self._carried(n, self._relieve(), v)
         half = 0.5 * dt
         dv, dclimb, dtrack = self._rates(v, climb, bank, n)
         vm, cm, tm = v + half * dv, climb + half * dclimb, track + half * dtrack
