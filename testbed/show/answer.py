@@ -112,8 +112,9 @@ def pairs(rows: Sequence[Row]) -> list[Pair]:
 def sentences(rows: Sequence[Row], matched: Sequence[Pair]) -> list[str]:
     """The answer in words, generated from the rows alone."""
     said = [f"Of {counted(len(rows), 'flight')}, {outcomes(rows)}."]
-    for name in dict.fromkeys(flyer(row) for row in rows):
-        mine = [row for row in rows if flyer(row) == name]
+    met = [row for row in rows if met_obstacle(row)]
+    for name in dict.fromkeys(flyer(row) for row in met):
+        mine = [row for row in met if flyer(row) == name]
         methods = list(dict.fromkeys(str(row["method"]) for row in mine))
         parts = [f"in {_collided([r for r in mine if r['method'] == method])} {_with(method)}" for method in methods]
         said.append(f"{_title(name)} came closer than an obstacle's radius {' and '.join(parts)}.")
@@ -128,6 +129,11 @@ def verdict(checks: Sequence[CheckResult]) -> list[str]:
     if not missed:
         return [f"Check passed: {counted(len(checks), 'line')}, each within its tolerance."]
     return [f"Check missed: {len(missed)} of {counted(len(checks), 'line')} out of tolerance."]
+
+
+def met_obstacle(row: Row) -> bool:
+    """Was there an obstacle to come close to?"""
+    return bool(math.isfinite(value(row, "least_clearance_m")))
 
 
 def _with(method: str) -> str:
@@ -175,16 +181,11 @@ def _span(rows: Sequence[Row], key: str) -> str:
 def cards(rows: Sequence[Row]) -> list[dict[str, str]]:
     """Headline numbers; the worst ones are of flown flights where there are any."""
     flown = [row for row in rows if row["plant"] != "kinematic"] or list(rows)
-    hits = sum(collided(row) for row in rows)
-    made = [
-        {"number": str(len(rows)), "name": "flights", "note": outcomes(rows), "tone": ""},
-        {
-            "number": f"{hits} / {len(rows)}",
-            "name": "collisions",
-            "note": "closer than the radius of an obstacle",
-            "tone": "bad" if hits else "good",
-        },
-    ]
+    hits, met = sum(collided(row) for row in rows), sum(met_obstacle(row) for row in rows)
+    made = [{"number": str(len(rows)), "name": "flights", "note": outcomes(rows), "tone": ""}]
+    if met:
+        note = "closer than the radius of an obstacle"
+        made.append({"number": f"{hits} / {met}", "name": "collisions", "note": note, "tone": "bad" if hits else "good"})
     for key in ("least_clearance_m", "cross_track_max_m", "max_bank_deg", "max_load_factor"):
         column = BY_KEY[key]
         known = [row for row in flown if math.isfinite(value(row, key))]

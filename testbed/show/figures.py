@@ -20,6 +20,7 @@ CATEGORIES = (
     ("#A67C00", palette.YELLOW),
 )
 CIVIDIS = ("#00224E", "#123570", "#3B496C", "#575D6D", "#707173", "#8A8678", "#A59C74", "#C3B369", "#E1CC55", "#FEE838")
+SHADES = CIVIDIS[:7], CIVIDIS[3:]  # on paper and in the dark: what stands out from the ground
 
 
 def figure_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None], axes: Sequence[str]) -> dict[str, Any]:
@@ -101,8 +102,8 @@ def styles(rows: Sequence[Row]) -> list[dict[str, Any]]:
         method = str(row["method"])
         dash = "dot" if method == "none" else DASHES[methods.index(method) % len(DASHES)]
         if crowded:
-            shade = CIVIDIS[round(cells.index(str(row["cell"])) * (len(CIVIDIS) - 1) / max(1, len(cells) - 1))]
-            light = dark = shade
+            share = cells.index(str(row["cell"])) / max(1, len(cells) - 1)
+            light, dark = (shades[round(share * (len(shades) - 1))] for shades in SHADES)
         elif flyer(row) == "kinematic":
             light = dark = "ink"
         else:

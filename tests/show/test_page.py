@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from testbed.results.checks import CheckResult
-from testbed.show import answer
+from testbed.show import answer, figures
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
 from testbed.spec.model import Campaign
@@ -119,6 +119,31 @@ def test_the_answer_in_words_follows_the_rows(four: tuple[list[Row], dict[str, A
     assert "Of 4 flights, 3 reached the goal, 1 collided." in text
     assert "Where an aircraft re-planned (2 flights), the point kept its clearance in 1 of the same encounters, the aircraft in 0." in text
     assert "The least clearance of the point was −2.85 to 2.68 m, of the aircraft −9.19 to −2.85 m." in text  # noqa: RUF001
+
+
+def test_where_there_was_no_obstacle_nothing_is_said_of_one(four: tuple[list[Row], dict[str, Any]]) -> None:
+    rows, _ = four
+    alone = [row | {"least_clearance_m": math.nan} for row in rows]
+    assert not any("obstacle" in sentence for sentence in answer.sentences(alone, []))
+    assert "collisions" not in [card["name"] for card in answer.cards(alone)]
+    assert "collisions" in [card["name"] for card in answer.cards(rows)]
+
+
+def test_the_shades_of_crowded_cells_stand_out_by_day_and_by_night(four: tuple[list[Row], dict[str, Any]]) -> None:
+    """Contrast of at least 2.2 with the ground (WCAG 2.2, relative luminance), and all different."""
+
+    def luminance(colour: str) -> float:
+        parts = (int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5))
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    crowd = [four[0][0] | {"cell": str(k)} for k in range(7)]
+    for theme, ground in (("light", "#ffffff"), ("dark", "#14181d")):
+        shades = [style[theme] for style in figures.styles(crowd)]
+        assert len(set(shades)) == 7
+        for shade in shades:
+            low, high = sorted((luminance(shade), luminance(ground)))
+            assert (high + 0.05) / (low + 0.05) >= 2.2, (theme, shade)
 
 
 def test_a_check_shows_its_lines_and_what_it_verifies(four: tuple[list[Row], dict[str, Any]]) -> None:
