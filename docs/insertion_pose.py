@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from testbed.frames import unit_from_direction
-from testbed.units import G0_MPS2
+from testbed.core.frames import unit_from_direction
+from testbed.core.units import G0_MPS2
 from vosc import ph, widest_join
 
 HERE = Path(__file__).parent

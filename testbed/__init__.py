@@ -8,12 +8,17 @@ print(plan.cell, measure(fly(plan)).least_clearance_m)
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from testbed.campaign import expand, load_campaign
     from testbed.flight.fly import fly
     from testbed.results.metrics import measure
-    from testbed.spec import expand, load_campaign
 
 __all__ = ["expand", "fly", "load_campaign", "measure"]
-_HOME = {"fly": "testbed.flight.fly", "measure": "testbed.results.metrics", "expand": "testbed.spec", "load_campaign": "testbed.spec"}
+_HOME = {
+    "fly": "testbed.flight.fly",
+    "measure": "testbed.results.metrics",
+    "expand": "testbed.campaign",
+    "load_campaign": "testbed.campaign",
+}
 
 
 def __getattr__(name: str) -> Any:

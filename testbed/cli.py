@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Literal, NoReturn, TextIO
 import typer
 
 if TYPE_CHECKING:
+    from testbed.campaign import FlightPlan
     from testbed.run.engines import Engine
     from testbed.run.runner import Summary
-    from testbed.spec import FlightPlan
 
 app = typer.Typer(pretty_exceptions_enable=False, no_args_is_help=True, help="Fly avoidance campaigns and look at what came out.")
 
@@ -45,9 +45,9 @@ def _fail(text: str, code: int = BAD_INPUT) -> NoReturn:
 @contextlib.contextmanager
 def _bad_input() -> Iterator[None]:
     """Say what is wrong with the input, without a traceback."""
+    from testbed.campaign import SpecError
     from testbed.run.directory import BadInputError
     from testbed.run.engines import EngineError
-    from testbed.spec import SpecError
 
     try:
         yield
@@ -73,7 +73,7 @@ def _options(
     ] = None,
 ) -> None:
     if aircraft_path:
-        from testbed.catalogue import add_aircraft_path
+        from testbed.core.catalogue import add_aircraft_path
 
         with _bad_input():
             for root in aircraft_path:
@@ -160,8 +160,8 @@ def _summarise(summary: "Summary") -> None:
 def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")]) -> None:
     """Check campaigns without flying them."""
     with _bad_input():
-        from testbed.spec import SpecError, expand, load_campaign
-        from testbed.spec.grid import PART
+        from testbed.campaign import SpecError, expand, load_campaign
+        from testbed.campaign.words.grid import PART
 
         bad = False
         for file in files:
@@ -216,9 +216,9 @@ def replay(
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of a campaign, for editors."""
-    from testbed import spec
+    from testbed.campaign import schema as campaign_schema
 
-    _say(spec.schema().rstrip("\n"))
+    _say(campaign_schema().rstrip("\n"))
 
 
 @app.command("list")
@@ -226,8 +226,8 @@ def list_parts(what: Annotated[Literal["aircraft", "methods", "guidance", "plant
     """What a campaign can name: one name a line, or everything."""
     from typing import get_args
 
-    from testbed.catalogue import aircraft_folders
-    from testbed.spec.model import GuidanceSpec, PlantSpec
+    from testbed.campaign.words.settings import GuidanceSpec, PlantSpec
+    from testbed.core.catalogue import aircraft_folders
     from vosc.methods import METHODS
 
     parts: dict[str, list[str]] = {
@@ -251,7 +251,7 @@ def bench() -> None:
 def audit(out: Annotated[Path, typer.Option(help="Where audit.csv and audit.html go.")] = Path("reports/paper")) -> None:
     """Put every number that the paper prints to the test, under named readings."""
     with _bad_input():
-        from testbed.paper.report import write_audit
+        from testbed.studies.scoam.audit.report import write_audit
 
         for file in write_audit(out):
             _say(str(file))
@@ -288,7 +288,7 @@ def aircraft(
 
 
 def _need_aircraft(name: str) -> None:
-    from testbed.catalogue import aircraft_folders
+    from testbed.core.catalogue import aircraft_folders
 
     if name not in (known := aircraft_folders()):
         _fail(f"no aircraft '{name}'; there are: {', '.join(known)}")

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from testbed.spec.model import FlightPlan
+from testbed.campaign.words.settings import FlightPlan
 
 PAPER_ROUTE = {
     "start_enu_m": [0, 0, 0],

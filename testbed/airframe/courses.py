@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
+from testbed.campaign.words.route import Random, Swerve
+from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.courses import Ends, bends, course
 from testbed.flight.path import ActivePath
-from testbed.spec.route import Random, Swerve
-from testbed.units import DEG, G0_MPS2
 from vosc import ph
 
 

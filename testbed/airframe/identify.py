@@ -8,12 +8,12 @@ import numpy as np
 
 from testbed.airframe.linearise import LATERAL, LinearModel, respond
 from testbed.airframe.trial import GUIDANCE_HZ, PLANT_HZ, STILL, hold
+from testbed.core.frames import Vec3
+from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.air import CALM
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.base import Command, State
 from testbed.flight.plants.rig import Controls, Rig
-from testbed.frames import Vec3
-from testbed.units import DEG, G0_MPS2
 
 Array = np.ndarray
 SMALL = 0.05  # of full aileron, or of full throttle

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from testbed.core.units import G0_MPS2
 from testbed.flight.plants.rig import Controls, Motion, Reaction, Rig
-from testbed.units import G0_MPS2
 
 Array = np.ndarray
 LONGITUDINAL = ("u", "w", "q", "pitch")

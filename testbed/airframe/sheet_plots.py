@@ -10,9 +10,9 @@ from testbed.airframe.chart import Line, chart
 from testbed.airframe.identify import bank_step, load_factor_step, speed_step
 from testbed.airframe.linearise import LATERAL, LONGITUDINAL, LinearModel, respond
 from testbed.airframe.trim import LiftCurve
+from testbed.core.units import DEG
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.rig import Controls, Rig
-from testbed.units import DEG
 
 if TYPE_CHECKING:
     from testbed.airframe.data_sheet import Performance

@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from testbed.core.frames import Vec3
 from testbed.flight.air import AirModel
 from testbed.flight.aircraft import Aircraft
-from testbed.flight.guidance import LookAheadLaw, SpeedHold
+from testbed.flight.guidance.look_ahead import LookAheadLaw, SpeedHold
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import Command, Start, State
 from testbed.flight.plants.jsbsim import JsbsimPlant
-from testbed.frames import Vec3
 
 Array = np.ndarray
 PLANT_HZ, GUIDANCE_HZ = 120, 60

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from testbed.core.units import DEG
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.base import TrimFailedError
 from testbed.flight.plants.rig import Controls, Reaction, Rig, level
-from testbed.units import DEG
 
 Array = np.ndarray
 CLIMB_STEP_RAD = 0.25 * DEG

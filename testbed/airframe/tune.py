@@ -34,9 +34,9 @@ from testbed.airframe.loops import lateral, pitch
 from testbed.airframe.place import place_lateral, place_pitch, roll_rate_limit, rounded
 from testbed.airframe.trial import follow
 from testbed.airframe.trim import fastest_level, lift_curve, stall_speed, steepest_climb, trim
+from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.rig import Rig
-from testbed.units import DEG, G0_MPS2
 
 Array = np.ndarray
 MOST_SENSITIVITY = 1.5  # of the guidance loop: gain margin 3, phase margin 39 deg at least

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 from ruamel.yaml import YAML
 
-from testbed.catalogue import aircraft_folders
-from testbed.spec.model import NonNegative, Number, Positive, Section
+from testbed.campaign.words.settings import NonNegative, Number, Positive, Section
+from testbed.core.catalogue import aircraft_folders
 
 
 class Model(Section):

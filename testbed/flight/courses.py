@@ -5,11 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from testbed.frames import unit_from_direction
-from testbed.seeds import stream
-from testbed.spec.model import FlightPlan
-from testbed.spec.route import Circle, Racetrack, Random, Route, Swerve
-from testbed.units import DEG
+from testbed.campaign.words.route import Circle, Racetrack, Random, Route, Swerve
+from testbed.campaign.words.settings import FlightPlan
+from testbed.core.frames import unit_from_direction
+from testbed.core.seeds import stream
+from testbed.core.units import DEG
 from vosc import ph
 
 Array = np.ndarray

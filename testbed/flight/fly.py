@@ -11,18 +11,18 @@ import struct
 from collections.abc import Callable
 from time import perf_counter
 
+from testbed.campaign.words.settings import FlightPlan
 from testbed.flight.aircraft import idealised, load_aircraft
-from testbed.flight.guidance import Law
+from testbed.flight.guidance.look_ahead import Law
 from testbed.flight.log import FlightLog, finish
 from testbed.flight.parts import GUIDANCE, PLANTS
 from testbed.flight.path import ActivePath
+from testbed.flight.planning.replan import Memory as PlannerMemory
+from testbed.flight.planning.replan import Planner
 from testbed.flight.plants.base import Plant, Start, State, TrimFailedError
-from testbed.flight.replan import Memory as PlannerMemory
-from testbed.flight.replan import Planner
+from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.scene import Scene, make_scene
 from testbed.flight.variation import varied
-from testbed.spec.model import FlightPlan
-from testbed.types import FlightRecord, Outcome
 
 GOAL_GATE_M = 20.0  # reached = crossing the goal's plane within this distance
 NEAR_GOAL_M = 200.0  # the goal's plane counts only on the last of the path

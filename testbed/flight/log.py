@@ -5,15 +5,15 @@ from time import perf_counter
 
 import numpy as np
 
-from testbed.chain import Chain
-from testbed.flight.guidance import Telemetry
+from testbed.campaign.words.settings import FlightPlan
+from testbed.core.chain import Chain
+from testbed.core.frames import quat_xyzw_from_euler
+from testbed.flight.guidance.look_ahead import Telemetry
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import Plant, State
+from testbed.flight.record import FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
 from testbed.flight.scene import Scene
-from testbed.flight.traffic import least_clearance
-from testbed.frames import quat_xyzw_from_euler
-from testbed.spec.model import FlightPlan
-from testbed.types import FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
+from testbed.flight.traffic.track import least_clearance
 
 Array = np.ndarray
 _GUIDANCE_ROW = struct.Struct(f"{len(Telemetry._fields) + 1}d").pack

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 
+from testbed.campaign.words.settings import FlightPlan
 from testbed.flight.aircraft import Aircraft
-from testbed.flight.guidance import Law, LookAheadLaw, SpeedHold
-from testbed.flight.guidance_l1 import L1Law
+from testbed.flight.guidance.l1 import L1Law
+from testbed.flight.guidance.look_ahead import Law, LookAheadLaw, SpeedHold
 from testbed.flight.plants.base import Plant, Start
 from testbed.flight.plants.kinematic import KinematicPlant
 from testbed.flight.plants.point_mass import PointMassPlant
 from testbed.flight.scene import Scene
-from testbed.spec.model import FlightPlan
 
 
 def _kinematic(plan: FlightPlan, _aircraft: Aircraft, start: Start, scene: Scene) -> Plant:

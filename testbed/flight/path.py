@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from testbed.chain import Chain
+from testbed.core.chain import Chain
 from vosc import ph
 
 STEP_M = 1.0

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbed.chain import Chain
+from testbed.campaign.words.settings import FlightPlan, Point
+from testbed.core.chain import Chain
+from testbed.core.frames import Vec3, unit_from_direction, vec3
+from testbed.core.units import DEG
 from testbed.flight.air import CALM, AirModel, Wind, make_air, make_wind
 from testbed.flight.courses import route_pieces
-from testbed.flight.schedule import Schedule, anchored, planned_time
-from testbed.flight.traffic import Track
-from testbed.frames import Vec3, unit_from_direction, vec3
-from testbed.spec.model import FlightPlan, Point
-from testbed.units import DEG
+from testbed.flight.traffic.schedule import Schedule, anchored, planned_time
+from testbed.flight.traffic.track import Track
 from vosc import ph
 
 Array = np.ndarray

@@ -10,9 +10,9 @@ apart from what ``gains_share`` changes: whether they hold an aircraft that is n
 
 from collections.abc import Sequence
 
+from testbed.campaign.words.settings import FlightPlan
+from testbed.core.seeds import stream
 from testbed.flight.aircraft import Aircraft, AutopilotGains, GuidanceGains, load_aircraft
-from testbed.seeds import stream
-from testbed.spec.model import FlightPlan
 
 # what aircraft.yaml says; a dot leads into a section
 DERIVATIVES = ("point_mass.drag_lift", "point_mass.drag_zero")

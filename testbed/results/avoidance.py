@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbed.flight.traffic import least_clearance
-from testbed.types import FlightRecord, ReplanEvent, inside
-from testbed.units import DEG
+from testbed.core.units import DEG
+from testbed.flight.record import FlightRecord, ReplanEvent, inside
+from testbed.flight.traffic.track import least_clearance
 
 Array = np.ndarray
 NAN = math.nan

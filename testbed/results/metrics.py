@@ -5,15 +5,15 @@ from dataclasses import asdict
 
 import numpy as np
 
+from testbed.core.units import DEG
 from testbed.flight.air import make_wind
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import GOAL_GATE_M
-from testbed.flight.guidance import BANK_LIMITED, LIFT_LIMITED
-from testbed.flight.schedule import arc_lengths, planned_time
-from testbed.flight.traffic import least_clearance
+from testbed.flight.guidance.look_ahead import BANK_LIMITED, LIFT_LIMITED
+from testbed.flight.record import FlightMetrics, FlightRecord, Outcome, PlannedPath
+from testbed.flight.traffic.schedule import arc_lengths, planned_time
+from testbed.flight.traffic.track import least_clearance
 from testbed.results.avoidance import avoidance, clearance_of, followed_clearance
-from testbed.types import FlightMetrics, FlightRecord, Outcome, PlannedPath
-from testbed.units import DEG
 
 Array = np.ndarray
 NAN = math.nan

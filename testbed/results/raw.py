@@ -19,8 +19,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from testbed.flight.record import FlightRecord
 from testbed.results.plain import plain
-from testbed.types import FlightRecord
 
 VECTORS = ("own.pos_enu_m", "own.vel_enu_mps", "air.wind_enu_mps")
 FLIGHT = "flight"  # key of the metadata

@@ -13,7 +13,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from testbed.types import FlightMetrics
+from testbed.flight.record import FlightMetrics
 
 Row = Mapping[str, Any]
 

@@ -6,11 +6,11 @@ The two are timed in turn, pair by pair, and the ratio of each pair is what coun
 import statistics
 from time import perf_counter
 
+from testbed.campaign.words.settings import FlightPlan
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import fly, start_of
 from testbed.flight.plants.jsbsim import JsbsimPlant
 from testbed.flight.scene import make_scene
-from testbed.spec.model import FlightPlan
 
 FLIGHT_S = 12.0
 ROUTE_M = 557.917  # length of the paper's route

@@ -12,7 +12,7 @@ from typing import Any
 
 import testbed
 import vosc
-from testbed.catalogue import AIRCRAFT_ROOT, aircraft_folders, aircraft_roots
+from testbed.core.catalogue import AIRCRAFT_ROOT, aircraft_folders, aircraft_roots
 
 DISTRIBUTION = "vosc-testbed"
 

@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from testbed.spec.check import Check
-from testbed.spec.model import FlightPlan
-from testbed.types import FlightMetrics, FlightRecord, Outcome
+from testbed.campaign.words.check import Check
+from testbed.campaign.words.settings import FlightPlan
+from testbed.flight.record import FlightMetrics, FlightRecord, Outcome
 
 Row = dict[str, Any]
 
@@ -52,7 +52,7 @@ def crashed(job: Job, message: str, details: str) -> JobResult:
 
 def _search(plan: FlightPlan) -> JobResult:
     """A search for the least lead: its row has ``lead`` in the place of the metrics of a flight."""
-    from testbed.lead.search import search
+    from testbed.studies.lead_time.search import search
 
     timings: dict[str, float] = {}
     found = _timed(timings, "search", lambda: search(plan))

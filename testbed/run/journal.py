@@ -12,10 +12,10 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, get_args
 
-from testbed.frames import Vec3
+from testbed.core.frames import Vec3
+from testbed.flight.record import FlightMetrics, ReplanEvent
 from testbed.results.plain import plain
 from testbed.run.job import JobResult, Row
-from testbed.types import FlightMetrics, ReplanEvent
 
 SYNC_EVERY = 16
 """Rows between two calls of fdatasync: what a power cut may cost."""

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice, zip_longest
 
+from testbed.campaign.reading.blocks import resolved_parts
+from testbed.campaign.words.grid import PART
+from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.run.directory import RunDirectory
 from testbed.run.job import Job
-from testbed.spec.blocks import resolved_parts
-from testbed.spec.grid import PART
-from testbed.spec.model import Campaign, FlightPlan
 
 SERIES = 64
 """Flights whose time series are kept for the page: first replicates in plan order, one of each part in turn."""
@@ -48,7 +48,7 @@ def _drawn(campaign: Campaign, plans: Sequence[FlightPlan]) -> tuple[str, ...]:
     """The flights in the pictures of a verdict: of these alone it keeps recordings, unless it is to keep all or none."""
     if campaign.verdict is None:
         return ()
-    from testbed.show.verdict.pictures import shown
+    from testbed.studies.scoam.page.pictures import shown
 
     return tuple(plan.flight_id for plan in plans if shown(plan.labels, plan.replicate) is not None)
 

@@ -3,9 +3,9 @@
 import json
 from typing import Any
 
+from testbed.campaign.words.settings import Campaign
 from testbed.run import identity
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
-from testbed.spec.model import Campaign
 
 Manifest = dict[str, Any]
 Fingerprint = dict[str, Any]

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from testbed.flight.record import FlightMetrics
 from testbed.run import identity, journal, manifest
 from testbed.run.directory import BadInputError
 from testbed.run.engines import Died, LocalEngine
 from testbed.run.job import Job, JobResult, Row, crashed, run_job
 from testbed.run.stored import existing, plan_of, rows_of
-from testbed.types import FlightMetrics
 
 
 @dataclass(frozen=True)

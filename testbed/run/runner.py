@@ -9,6 +9,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from testbed.campaign.words.settings import Campaign, FlightPlan
+from testbed.flight.record import Outcome
 from testbed.run import identity, journal, keep, manifest
 from testbed.run.directory import BadInputError, RunDirectory
 from testbed.run.engines import Died, Engine
@@ -16,8 +18,6 @@ from testbed.run.job import Job, JobResult, crashed, run_job
 from testbed.run.manifest import Manifest
 from testbed.run.stored import existing, plan_of, rows_of
 from testbed.run.write import write_results
-from testbed.spec.model import Campaign, FlightPlan
-from testbed.types import Outcome
 
 if TYPE_CHECKING:
     from testbed.results.checks import CheckResult
@@ -64,7 +64,7 @@ class Order:
 
 def run(order: Order) -> Summary:
     """Fly what is not yet flown of a campaign, and write the results."""
-    from testbed.spec import expand, load_campaign
+    from testbed.campaign import expand, load_campaign
 
     campaign = load_campaign(order.source, overrides=order.overrides)
     plans = list(expand(campaign))

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
+from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.run import journal
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
 from testbed.run.job import JobResult
-from testbed.spec.model import Campaign, FlightPlan
 
 
 def existing(path: Path) -> RunDirectory:

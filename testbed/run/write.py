@@ -7,10 +7,10 @@ import statistics
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.run.directory import RunDirectory
 from testbed.run.job import JobResult
 from testbed.run.manifest import Manifest, provenance
-from testbed.spec.model import Campaign, FlightPlan
 
 if TYPE_CHECKING:
     from testbed.results.checks import CheckResult
@@ -61,9 +61,9 @@ def _verdict(directory: RunDirectory, campaign: Campaign, results: Sequence[JobR
     """What leads the page of a verdict, also written to ``verdict.csv``; nothing if none is asked for."""
     if campaign.verdict is None:
         return None
-    from testbed.paper.pose import event_reach
-    from testbed.paper.verdict import csv_bytes, judge
-    from testbed.show.verdict import render
+    from testbed.studies.scoam.page import render
+    from testbed.studies.scoam.pose import event_reach
+    from testbed.studies.scoam.verdict import csv_bytes, judge
 
     rows = [result.row for result in results]
     found = judge(rows, event_reach, _answer_ms(results))
@@ -75,8 +75,8 @@ def _lead_time(
     directory: RunDirectory, about: Manifest, campaign: Campaign, plans: Sequence[FlightPlan], results: Sequence[JobResult], planned: int
 ) -> None:
     """The lines and the page of a lead-time study: its flights are searches."""
-    from testbed.lead.line import Searches, csv_text, line_of
-    from testbed.lead.page import page_text
+    from testbed.studies.lead_time.line import Searches, csv_text, line_of
+    from testbed.studies.lead_time.page import page_text
 
     found = zip(plans, results, strict=True)
     lines = tuple(line_of(plan, result.row) for plan, result in found if "lead" in result.row)

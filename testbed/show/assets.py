@@ -22,16 +22,14 @@ class Lead:
     nav: tuple[tuple[str, str], ...]  # id of a section, its name
 
 
-def environment() -> Environment:
-    """Templates of this package: everything is escaped, a name that is missing is an error."""
-    return Environment(
-        loader=PackageLoader("testbed.show"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
+def environment(package: str = "testbed.show") -> Environment:
+    """Templates of a package, in its folder ``templates``: everything is escaped, a name that is missing is an error."""
+    return Environment(loader=PackageLoader(package), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
 
-def asset(name: str) -> Markup:
+def asset(name: str, package: str = "testbed.show") -> Markup:
     """A style sheet or script of ours, which may stand in the page as it is."""
-    return Markup(files("testbed.show").joinpath("templates", name).read_text(encoding="utf-8"))
+    return Markup(files(package).joinpath("templates", name).read_text(encoding="utf-8"))
 
 
 def packed_json(data: Any) -> str:

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from testbed.flight.record import inside
 from testbed.show.story import number
-from testbed.types import inside
 
 
 @dataclass(frozen=True)

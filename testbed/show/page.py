@@ -6,7 +6,9 @@ from typing import Any
 
 from markupsafe import Markup
 
-from testbed.frames import direction_deg
+from testbed.campaign.words.settings import Campaign
+from testbed.core.frames import direction_deg
+from testbed.core.units import DEG
 from testbed.results.checks import CheckResult
 from testbed.show import answer
 from testbed.show.answer import Row
@@ -15,8 +17,6 @@ from testbed.show.columns import BY_KEY, DECISION_TERMS, METRICS, SUMMARISED, co
 from testbed.show.figures import figure_data
 from testbed.show.histogram import histograms
 from testbed.show.story import level_turn, number, radius_m
-from testbed.spec.model import Campaign
-from testbed.units import DEG
 
 MOST_FLIGHT_ROWS, MOST_DECISION_ROWS, MOST_CELL_ROWS = 300, 100, 300
 CELLS_FROM = 25  # so many flights are better read by cell

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from testbed.core.units import DEG
+from testbed.flight.record import FlightRecord, PlannedPath
 from testbed.results.metrics import demanded_roll_rate
 from testbed.show.story import path_points, who
-from testbed.types import FlightRecord, PlannedPath
-from testbed.units import DEG
 
 Array = np.ndarray
 Series = dict[str, Any]

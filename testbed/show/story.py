@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from testbed.frames import direction_deg
-from testbed.types import FlightMetrics, FlightRecord, PlannedPath, ReplanEvent
-from testbed.units import DEG, G0_MPS2
+from testbed.core.frames import direction_deg
+from testbed.core.units import DEG, G0_MPS2
+from testbed.flight.record import FlightMetrics, FlightRecord, PlannedPath, ReplanEvent
 
 Array = np.ndarray
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbed.types import FlightRecord, inside
+from testbed.flight.record import FlightRecord, inside
 from vosc import Obstacle, Own, cap, threat
 
 Array = np.ndarray

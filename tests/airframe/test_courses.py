@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from testbed.airframe.courses import random_path, swerve, turn_radius
+from testbed.core.units import DEG
 from testbed.flight.path import ActivePath
-from testbed.units import DEG
 
 
 def curvature(path: ActivePath) -> np.ndarray:

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from testbed.airframe.trim import fastest_level, lift_curve, stall_speed, steepest_climb, trim, trim_table
+from testbed.core.units import DEG
 from testbed.flight.aircraft import load_aircraft
-from testbed.units import DEG
 
 GTM = load_aircraft("gtm_t2")
 

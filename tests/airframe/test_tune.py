@@ -12,11 +12,11 @@ from testbed.airframe.identify import StepResponse, gust_step
 from testbed.airframe.linearise import linearise
 from testbed.airframe.trial import follow
 from testbed.airframe.trim import steepest_climb
+from testbed.core.frames import wind_enu_from_compass
+from testbed.core.units import DEG
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.rig import Rig
-from testbed.frames import wind_enu_from_compass
-from testbed.units import DEG
 from tests.plans import PAPER_ROUTE
 from vosc import ph
 

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import welch
 
+from testbed.campaign.words.air import Air, OneMinusCosineGust, StepGust
+from testbed.core.units import FT, KNOT
 from testbed.flight.air import make_wind
 from testbed.flight.air.dryden import SERIES_HZ, START_ROOT, Dryden, autocorrelation, dryden, dryden_series, spectrum, transition
 from testbed.flight.air.gusts import make_gust, shape
 from testbed.flight.scene import make_scene
-from testbed.spec.air import Air, OneMinusCosineGust, StepGust
-from testbed.units import FT, KNOT
 from tests.plans import KINEMATIC, plan
 
 OUTPUT = np.array([math.sqrt(3.0), 1.0 - math.sqrt(3.0)])  # of the two-stage filter

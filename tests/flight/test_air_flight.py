@@ -7,13 +7,13 @@ import pytest
 from pydantic import ValidationError
 
 from testbed import fly, measure
+from testbed.core.units import DEG
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import start_of
 from testbed.flight.plants.jsbsim import JsbsimPlant
 from testbed.flight.plants.jsbsim_start import issue, load_model, trim_level
+from testbed.flight.record import FlightRecord
 from testbed.flight.scene import make_scene
-from testbed.types import FlightRecord
-from testbed.units import DEG
 from tests.plans import C172P, GTM, KINEMATIC, PAPER_ROUTE, plan
 
 STRAIGHT = {"start_enu_m": [0, 0, 0], "goal_enu_m": [500, 0, 0], "start_direction_deg": [0, 0], "goal_direction_deg": [0, 0]}

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from testbed import fly, measure
+from testbed.campaign.words.settings import FlightPlan
+from testbed.core.frames import vec3, wind_enu_from_compass
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import start_of
 from testbed.flight.parts import GUIDANCE, PLANTS
 from testbed.flight.path import ActivePath
+from testbed.flight.planning.rejoin import resized
+from testbed.flight.planning.replan import Memory, Planner
 from testbed.flight.plants.base import State
-from testbed.flight.rejoin import resized
-from testbed.flight.replan import Memory, Planner
+from testbed.flight.record import ReplanEvent
 from testbed.flight.scene import make_scene
-from testbed.frames import vec3, wind_enu_from_compass
-from testbed.spec.model import FlightPlan
-from testbed.types import ReplanEvent
 from tests.plans import KINEMATIC, paper_obstacle, plan
 from vosc import ph
 

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from testbed import fly, measure
+from testbed.core.units import G0_MPS2
 from testbed.flight.plants.kinematic import coordinated
-from testbed.types import Outcome
-from testbed.units import G0_MPS2
+from testbed.flight.record import Outcome
 from tests.plans import KINEMATIC, paper_obstacle, plan
 
 

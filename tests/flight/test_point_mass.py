@@ -7,14 +7,14 @@ import pytest
 from scipy import signal
 
 from testbed import fly, measure
+from testbed.campaign.words.air import OneMinusCosineGust
+from testbed.campaign.words.settings import Air
+from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.air import Wind, make_wind
 from testbed.flight.air.gusts import make_gust
 from testbed.flight.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.plants.base import Command, Start, State
 from testbed.flight.plants.point_mass import PointMassPlant
-from testbed.spec.air import OneMinusCosineGust
-from testbed.spec.model import Air
-from testbed.units import DEG, G0_MPS2
 from tests.plans import C172P, GTM, paper_obstacle, plan
 
 POINT = {"plant": {"kind": "point_mass"}}

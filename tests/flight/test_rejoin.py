@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from testbed import fly, measure
-from testbed.chain import Chain
-from testbed.flight.rejoin import miss_along
-from testbed.flight.traffic import Track
+from testbed.core.chain import Chain
+from testbed.flight.planning.rejoin import miss_along
+from testbed.flight.record import FlightRecord, Outcome
+from testbed.flight.traffic.track import Track
 from testbed.show.columns import collided
 from testbed.show.story import event_sentence, leg_names
-from testbed.types import FlightRecord, Outcome
 from tests.plans import GTM, KINEMATIC, paper_obstacle, plan
 from vosc import ph
 

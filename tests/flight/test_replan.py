@@ -7,10 +7,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from testbed import fly, measure
+from testbed.flight.planning.rejoin import resized
+from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.base import State
-from testbed.flight.rejoin import resized
-from testbed.flight.traffic import Track
-from testbed.flight.watch import Watch
+from testbed.flight.traffic.track import Track
 from tests.plans import KINEMATIC, paper_obstacle, plan
 from vosc import Obstacle, Own, threat
 

@@ -10,7 +10,9 @@ from scipy.signal import welch
 from scipy.spatial.transform import Rotation
 
 from testbed import fly
-from testbed.flight.air import AirModel, model
+from testbed.core.seeds import stream
+from testbed.core.units import FT
+from testbed.flight.air import AirModel, field
 from testbed.flight.air.dryden import SERIES_HZ, dryden, dryden_series
 from testbed.flight.air.rotary import rotary_series, rotary_spectra, sigma_roll
 from testbed.flight.aircraft import Aircraft, load_aircraft
@@ -19,8 +21,6 @@ from testbed.flight.plants.jsbsim import JsbsimPlant
 from testbed.flight.plants.jsbsim_model import AERO_RATES, IN_ROTATING_AIR, ROTARY_GUST, read_model
 from testbed.flight.plants.jsbsim_start import load_model, model_file, node
 from testbed.flight.scene import make_scene
-from testbed.seeds import stream
-from testbed.units import FT
 from tests.plans import C172P, GTM, KINEMATIC, plan
 
 SPEED, SPAN = 50.0, 2.0875
@@ -205,8 +205,8 @@ def test_in_air_that_turns_by_nothing_the_flight_is_that_of_the_file_as_it_is(na
         air = make_air(*args)
         return AirModel(air.steady, air.uniform, air.mean, air.at, air.built_in)
 
-    make_air = model.make_air
-    monkeypatch.setattr(model, "rotary_series", zero_rotation)
+    make_air = field.make_air
+    monkeypatch.setattr(field, "rotary_series", zero_rotation)
     still = fly(plan(air=DRYDEN, **PLANTS[name])).columns
     monkeypatch.setattr("testbed.flight.scene.make_air", without)
     plain = fly(plan(air=DRYDEN, **PLANTS[name])).columns

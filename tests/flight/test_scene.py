@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from testbed.campaign.words.settings import FlightPlan
+from testbed.core.frames import unit_from_direction, wind_enu_from_compass
+from testbed.core.units import DEG
 from testbed.flight.air import ground_speed_along
 from testbed.flight.scene import level_rotation, make_scene
-from testbed.flight.traffic import least_clearance
-from testbed.frames import unit_from_direction, wind_enu_from_compass
-from testbed.spec.model import FlightPlan
-from testbed.units import DEG
+from testbed.flight.traffic.track import least_clearance
 from tests.plans import KINEMATIC, paper_obstacle, plan
 
 

@@ -13,13 +13,13 @@ from pydantic import ValidationError
 
 from testbed import fly, measure
 from testbed.airframe.linearise import LATERAL, LONGITUDINAL, linearise
+from testbed.campaign.reading.expand import flight_id
 from testbed.flight.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.jsbsim_model import read_model
 from testbed.flight.plants.jsbsim_start import load_model, model_file, trim_level
 from testbed.flight.plants.rig import Rig
+from testbed.flight.record import FlightRecord
 from testbed.flight.variation import DERIVATIVES, GAINS, LAGS, variation, varied
-from testbed.spec.expand import flight_id
-from testbed.types import FlightRecord
 from tests.plans import C172P, GTM, KINEMATIC, plan
 
 T37: dict[str, Any] = {"plant": {"kind": "jsbsim"}, "aircraft": "t37", "geometry": "level", "speed_mps": 90}

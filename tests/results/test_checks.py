@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 
 from testbed import expand, fly, load_campaign, measure
-from testbed.flight import traffic
+from testbed.campaign.words.settings import Campaign, FlightPlan
+from testbed.core.units import DEG
 from testbed.flight.air.dryden import autocorrelation
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants import jsbsim
+from testbed.flight.record import FlightRecord, Outcome
+from testbed.flight.traffic import track as traffic
 from testbed.results.checks import CHECKS, CheckResult, Flown, csv_bytes, evidence, judge
 from testbed.results.checks.steady import circle_through
 from testbed.results.checks.turbulence import variance_of_power
 from testbed.run import journal
 from testbed.run.job import Job, run_job
-from testbed.spec.model import Campaign, FlightPlan
-from testbed.types import FlightRecord, Outcome
-from testbed.units import DEG
 
 FOLDER = Path(__file__).resolve().parents[2] / "campaigns" / "check"
 NAMES = sorted(file.stem for file in FOLDER.glob("*.yaml"))

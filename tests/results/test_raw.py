@@ -11,8 +11,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from testbed import fly
+from testbed.flight.record import FlightRecord
 from testbed.results.raw import write_columns
-from testbed.types import FlightRecord
 from tests.plans import KINEMATIC, paper_obstacle, plan
 
 WIND = {"wind": {"kind": "steady", "speed_mps": 10, "from_deg": 240}}

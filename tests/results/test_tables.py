@@ -7,8 +7,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from testbed.flight.record import FlightMetrics
 from testbed.results import tables
-from testbed.types import FlightMetrics
 
 START = (
     "flight_id cell replicate seed plant aircraft method outcome least_clearance_m time_at_least_clearance_s replans deflection_deg "

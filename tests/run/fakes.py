@@ -8,8 +8,8 @@ import signal
 import time
 from dataclasses import fields
 
+from testbed.flight.record import FlightMetrics
 from testbed.run.job import JobResult
-from testbed.types import FlightMetrics
 
 
 def square(x):

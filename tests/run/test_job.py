@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from testbed.campaign import expand, load_campaign
+from testbed.flight.record import FlightMetrics
 from testbed.results.plain import plain
 from testbed.run import journal
 from testbed.run.job import Job, run_job
-from testbed.spec import expand, load_campaign
-from testbed.types import FlightMetrics
 
 SMOKE = Path(__file__).parents[2] / "campaigns" / "smoke.yaml"
 

@@ -4,9 +4,9 @@ import math
 import numpy as np
 import pytest
 
+from testbed.flight.record import ReplanEvent
 from testbed.run import journal
 from testbed.run.job import JobResult
-from testbed.types import ReplanEvent
 from tests.run.fakes import metrics_row
 
 

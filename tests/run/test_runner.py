@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from testbed.campaign import SpecError
 from testbed.run import identity, runner
 from testbed.run.directory import BadInputError
 from testbed.run.replay import replay
-from testbed.spec import SpecError
 from tests.run import fakes
 from tests.run.little import CAMPAIGN, STABLE, contents, flown, fly, little_campaign, stop_after
 

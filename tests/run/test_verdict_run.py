@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from testbed.campaign import load_campaign
 from testbed.run import runner
 from testbed.run.engines import LocalEngine
 from testbed.run.runner import Order
-from testbed.spec import load_campaign
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = ROOT / "campaigns" / "paper.yaml"

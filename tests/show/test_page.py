@@ -12,12 +12,12 @@ from typing import Any
 
 import pytest
 
+from testbed.campaign.words.settings import Campaign
+from testbed.flight.record import FlightMetrics, FlightRecord
 from testbed.results.checks import CheckResult
 from testbed.show import answer, figures
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
-from testbed.spec.model import Campaign
-from testbed.types import FlightMetrics, FlightRecord
 
 MakeRecord = Callable[..., FlightRecord]
 MakeMetrics = Callable[[FlightRecord], FlightMetrics]

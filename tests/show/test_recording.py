@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from testbed.flight.record import FlightMetrics, FlightRecord, Outcome
 from testbed.show.recording import write_recording
-from testbed.types import FlightMetrics, FlightRecord, Outcome
 
 MakeRecord = Callable[..., FlightRecord]
 MakeMetrics = Callable[[FlightRecord], FlightMetrics]

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from testbed import fly
+from testbed.flight.record import FlightRecord
 from testbed.show.series import MOST_SAMPLES, flight_series
-from testbed.types import FlightRecord
 from tests.plans import paper_obstacle, plan
 
 MakeRecord = Callable[..., FlightRecord]

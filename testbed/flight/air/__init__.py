@@ -5,7 +5,7 @@ same set speed meet the same air, and how much a wing feels of its rotation depe
 exception, and the reason why it is an option only.)
 """
 
-from testbed.flight.air.model import CALM, AirModel, BuiltIn, make_air
+from testbed.flight.air.field import CALM, AirModel, BuiltIn, make_air
 from testbed.flight.air.wind import Wind, ground_speed_along, make_wind
 
 __all__ = ["CALM", "AirModel", "BuiltIn", "Wind", "ground_speed_along", "make_air", "make_wind"]

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from testbed.units import FT, KNOT
+from testbed.core.units import FT, KNOT
 
 Array = np.ndarray
 SERIES_HZ = 120

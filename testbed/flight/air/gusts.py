@@ -3,10 +3,10 @@
 import math
 from collections.abc import Callable
 
+from testbed.campaign.words.air import OneMinusCosineGust, StepGust
+from testbed.core.frames import Vec3, unit_from_direction
+from testbed.core.units import DEG
 from testbed.flight.air.wind import Wind
-from testbed.frames import Vec3, unit_from_direction
-from testbed.spec.air import OneMinusCosineGust, StepGust
-from testbed.units import DEG
 
 Frame = Callable[[float], tuple[Vec3, Vec3]]  # arc length of the route -> point, unit tangent
 

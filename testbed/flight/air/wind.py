@@ -3,8 +3,8 @@
 import math
 from collections.abc import Callable
 
-from testbed.frames import Vec3, wind_enu_from_compass
-from testbed.spec.air import Air, Calm, LogarithmicWind, PowerLawWind, SteadyWind
+from testbed.campaign.words.air import Air, Calm, LogarithmicWind, PowerLawWind, SteadyWind
+from testbed.core.frames import Vec3, wind_enu_from_compass
 
 Wind = Callable[[float, Vec3], Vec3]  # (t_s, pos_enu_m) -> velocity of the air over the ground, ENU m/s
 

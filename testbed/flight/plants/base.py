@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
-from testbed.frames import Vec3
+from testbed.core.frames import Vec3
 
 make = tuple.__new__  # what a NamedTuple's own constructor ends in, at a quarter of its cost; for the tuples made 60 times a second
 

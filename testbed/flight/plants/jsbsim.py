@@ -8,13 +8,13 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from testbed.core.units import FT
 from testbed.flight.air import AirModel
 from testbed.flight.aircraft import Aircraft
-from testbed.flight.autopilot import Autopilot, Memory
+from testbed.flight.plants.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, Followable, Start, State, make
 from testbed.flight.plants.jsbsim_air import WIND, GustFeed, rates_in_air, switch_on
 from testbed.flight.plants.jsbsim_start import begin, load_model, node, spool_up, trim_level
-from testbed.units import FT
 
 Read = Callable[[], float]
 OBSERVED = (

@@ -8,10 +8,10 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from testbed.core.frames import Vec3
+from testbed.core.units import FT
 from testbed.flight.air import AirModel, BuiltIn, Wind
 from testbed.flight.plants.jsbsim_model import AERO_RATES, IN_ROTATING_AIR, ROTARY_GUST
-from testbed.frames import Vec3
-from testbed.units import FT
 
 WIND = tuple(f"atmosphere/total-wind-{axis}-fps" for axis in ("east", "north", "down"))
 """The air that the aircraft felt in the last step, as JSBSim has it."""

@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 import jsbsim
 
+from testbed.core.frames import Vec3, body_rates, enu_from_wind_axes, euler_from_enu_from_body
+from testbed.core.units import DEG, FT
 from testbed.flight.air import ground_speed_along
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.base import Start, TrimFailedError
 from testbed.flight.plants.jsbsim_air import GustFeed
 from testbed.flight.plants.jsbsim_model import changed_root
 from testbed.flight.plants.kinematic import coordinated
-from testbed.frames import Vec3, body_rates, enu_from_wind_axes, euler_from_enu_from_body
-from testbed.units import DEG, FT
 
 LATITUDE_DEG = 37.0  # where the flat ground of the ENU frame touches the ellipsoid; any mid latitude does
 FLAT_RAD = 0.5 * DEG  # a climb less steep than this starts from the level trim

@@ -9,10 +9,10 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from testbed.core.frames import Vec3
+from testbed.core.units import G0_MPS2
 from testbed.flight.air import AirModel, ground_speed_along
 from testbed.flight.plants.base import Command, Followable, Start, State
-from testbed.frames import Vec3
-from testbed.units import G0_MPS2
 
 NOT_THERE = (math.nan,) * 9  # alpha, beta, rates, controls
 

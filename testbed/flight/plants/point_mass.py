@@ -30,12 +30,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from testbed.core.frames import Vec3
+from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.air import Wind, ground_speed_along
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.base import Command, Followable, Start, State
 from testbed.flight.plants.kinematic import coordinated
-from testbed.frames import Vec3
-from testbed.units import DEG, G0_MPS2
 
 NAN = math.nan
 SLOWEST_MPS = 1.0  # below this the equations mean nothing; the flight is then long since lost

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from testbed.core.units import FT
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.jsbsim_start import load_model, node, trim_level
-from testbed.units import FT
 
 Array = np.ndarray
 HEIGHT_M = 150.0  # above the ground, at sea level: where the published figures of the GTM-T2 were taken

@@ -7,10 +7,10 @@ quantity what is true, what was measured, and whether that is near enough.
 
 from collections.abc import Sequence
 
+from testbed.campaign.words.check import Check
+from testbed.flight.record import FlightRecord, Outcome
 from testbed.results.checks import air, modes, numerics, power, steady, turbulence
 from testbed.results.checks.verdict import CheckResult, Evidence, Flown, Judge, csv_bytes, nothing
-from testbed.spec.check import Check
-from testbed.types import FlightRecord, Outcome
 
 __all__ = ["CHECKS", "CheckResult", "Evidence", "Flown", "Judge", "csv_bytes", "evidence", "judge"]
 

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from testbed.campaign.words.air import OneMinusCosineGust, StepGust
+from testbed.campaign.words.check import GustResponse, WindInvariance, WindTriangle
+from testbed.core.frames import unit_from_direction, vec3
+from testbed.core.units import DEG
 from testbed.flight.air import ground_speed_along, make_wind
 from testbed.flight.air.gusts import shape
-from testbed.frames import unit_from_direction, vec3
+from testbed.flight.record import FlightRecord
 from testbed.results.checks.verdict import CheckResult, Evidence, Flown, flown_by, groups, worst
-from testbed.spec.air import OneMinusCosineGust, StepGust
-from testbed.spec.check import GustResponse, WindInvariance, WindTriangle
-from testbed.types import FlightRecord
-from testbed.units import DEG
 
 Array = np.ndarray
 

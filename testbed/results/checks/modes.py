@@ -9,10 +9,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from testbed.campaign.words.check import Modes
+from testbed.core.units import DEG
+from testbed.flight.record import FlightRecord
 from testbed.results.checks.verdict import CheckResult, Evidence, Flown, flown_by
-from testbed.spec.check import Modes
-from testbed.types import FlightRecord
-from testbed.units import DEG
 
 Array = np.ndarray
 STATES = ("beta", "p", "r", "bank")

@@ -5,10 +5,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from testbed.frames import unit_from_direction
+from testbed.campaign.words.check import Clearance, Convergence
+from testbed.core.frames import unit_from_direction
+from testbed.flight.record import FlightRecord
 from testbed.results.checks.verdict import CheckResult, Evidence, Flown, flown_by, groups
-from testbed.spec.check import Clearance, Convergence
-from testbed.types import FlightRecord
 
 Array = np.ndarray
 PLACES_HZ = 10  # divides every rate of a plant

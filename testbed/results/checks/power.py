@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from testbed.catalogue import aircraft_folders
+from testbed.campaign.words.check import Energy, ExcessPower
+from testbed.core.catalogue import aircraft_folders
+from testbed.core.units import DEG, FT, G0_MPS2
 from testbed.flight.aircraft import load_aircraft
+from testbed.flight.record import FlightRecord
 from testbed.results.checks.modes import lagged
 from testbed.results.checks.verdict import CheckResult, Evidence, Flown, flown_by
-from testbed.spec.check import Energy, ExcessPower
-from testbed.types import FlightRecord
-from testbed.units import DEG, FT, G0_MPS2
 
 Array = np.ndarray
 FULL = 0.999

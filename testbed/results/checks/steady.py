@@ -5,10 +5,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from testbed.campaign.words.check import SteadyTurn, Trims
+from testbed.core.units import DEG, G0_MPS2
+from testbed.flight.record import FlightRecord
 from testbed.results.checks.verdict import CheckResult, Evidence, Flown, flown_by, groups
-from testbed.spec.check import SteadyTurn, Trims
-from testbed.types import FlightRecord
-from testbed.units import DEG, G0_MPS2
 
 Array = np.ndarray
 

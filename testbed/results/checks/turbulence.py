@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from testbed.campaign.words.air import DrydenTurbulence, NoTurbulence
+from testbed.campaign.words.check import TurbulenceStatistics
+from testbed.core.frames import vec3
+from testbed.core.units import DEG
 from testbed.flight.air import make_wind
 from testbed.flight.air.dryden import Dryden, autocorrelation, dryden, spectrum
 from testbed.flight.air.rotary import rotary_spectra
-from testbed.frames import vec3
+from testbed.flight.record import FlightRecord
 from testbed.results.checks.verdict import CheckResult, Evidence, Flown, flown_by, groups, worst
-from testbed.spec.air import DrydenTurbulence, NoTurbulence
-from testbed.spec.check import TurbulenceStatistics
-from testbed.types import FlightRecord
-from testbed.units import DEG
 
 Array = np.ndarray
 SPIN_UP_S = 20.0  # JSBSim's own turbulence begins with nothing; its slowest filter has a time constant of 6 s at 50 m/s, 200 m

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from testbed.spec.model import FlightPlan
-from testbed.types import FlightRecord
+from testbed.campaign.words.settings import FlightPlan
+from testbed.flight.record import FlightRecord
 
 Evidence = dict[str, Any]
 """What a check needs of one record: numbers and lists of numbers, small enough for a line of rows.jsonl."""

@@ -10,10 +10,10 @@ import numpy as np
 import rerun as rr
 import rerun_bindings
 
+from testbed.flight.record import FlightMetrics, FlightRecord
 from testbed.show.recording import layout, scene, signals, timeline, velocity
 from testbed.show.story import summary_markdown, who
 from testbed.show.velocity_space import look
-from testbed.types import FlightMetrics, FlightRecord
 
 APPLICATION = "vosc_testbed"
 SIGHT_HZ = 30.0  # how often velocity space is drawn

@@ -3,13 +3,13 @@
 import numpy as np
 import rerun as rr
 
+from testbed.core.units import DEG
+from testbed.flight.record import FlightRecord, inside
 from testbed.show import palette
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
 from testbed.show.story import OUTCOME_TEXT, changes, event_sentence, leg_names
 from testbed.show.velocity_space import Sight
-from testbed.types import FlightRecord, inside
-from testbed.units import DEG
 
 # Entity below "signals", column of the record, factor to the unit shown, name in the legend, colour.
 HEADLINES = (

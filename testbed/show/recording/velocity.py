@@ -5,11 +5,11 @@ import math
 import numpy as np
 import rerun as rr
 
+from testbed.flight.record import FlightRecord
 from testbed.show import palette, shapes
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
 from testbed.show.velocity_space import Sight
-from testbed.types import FlightRecord
 
 ROOT = "velocity"
 

@@ -1,0 +1,150 @@
+"""A campaign's flights: the plan of every cell and replicate, and the identity of each."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from typing import Any
+
+from pydantic import ValidationError
+
+from testbed.campaign.reading.axes import assignments_of
+from testbed.campaign.reading.blocks import Block, Cell, blocks_of, overwritten_draws, resolved_parts, size_problems, skip_problems
+from testbed.campaign.reading.document import Assignment, Document, Fault, NoSuchObstacleError, faults_of
+from testbed.campaign.reading.draws import DrawError, drawn
+from testbed.campaign.reading.nodes import Tree
+from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
+from testbed.campaign.words.grid import Part
+from testbed.campaign.words.population import NoEncounterError
+from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings, Vary
+
+Encounter = Callable[[float, int, int], dict[str, Any]]
+"""From own speed (m/s), seed and replicate to an obstacle."""
+
+PlannedCell = tuple[Cell, Document, FlightPlan | list[Fault]]
+
+
+def expand(campaign: Campaign) -> tuple[FlightPlan, ...]:
+    """Every flight of a campaign: parts and cells in the order as written (last axis fastest), replicates innermost."""
+    blocks, problems = blocks_of(_tree_of(campaign))
+    parts = resolved_parts(campaign)
+    problems = problems or size_problems(blocks, campaign, NOWHERE)
+    problems = problems or [found for b in blocks for found in skip_problems(b) + overwritten_draws(b, parts[b.part])]
+    if problems:
+        raise SpecError(problems)
+    plans: list[FlightPlan] = []
+    for block in blocks:
+        part = parts[block.part]
+        encounter = cache(part.encounters.drawn) if part.encounters else None  # every cell meets the same
+        for cell, document, plan in plans_of_cells(campaign, block, part, Tree({})):
+            if not isinstance(plan, FlightPlan):
+                raise SpecError(found for fault in plan if (found := document.problem(fault, suspects(block, cell))))
+            if part.draw or encounter:
+                plans.extend(_drawn_replicates(campaign, block, part, encounter, (cell, document, plan)))
+            else:
+                plans.extend(_replicates(plan, part.replicates or 1))
+    return tuple(plans)
+
+
+def _tree_of(campaign: Campaign) -> Tree:
+    """What ``blocks_of`` reads, of a campaign that may never have been text."""
+    keys = ("sweep", "skip", "draw")
+    parts = {name: {key: getattr(part, key) for key in (*keys, "set")} for name, part in campaign.parts.items()}
+    return Tree.plain({**{key: getattr(campaign, key) for key in keys}, "parts": parts})
+
+
+def flight_id(plan: FlightPlan) -> str:
+    """12 hexadecimal digits that stand for everything that the flight depends on, its cell and its replicate.
+
+    The campaign's name is left out: renaming a campaign changes no flight.
+    """
+    return _hash(_identity(plan))
+
+
+def _identity(plan: FlightPlan) -> dict[str, Any]:
+    # a flight that varies nothing is the flight it was before there was anything to vary
+    unsaid = {"vary"} if plan.vary == Vary() else set()
+    return plan.model_dump(mode="json", exclude={"flight_id", "campaign"} | unsaid)
+
+
+def _hash(identity: dict[str, Any]) -> str:
+    canonical = json.dumps(identity, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()[:12]
+
+
+def _replicates(plan: FlightPlan, count: int) -> Iterator[FlightPlan]:
+    """Copies that share their (frozen) sections."""
+    identity = _identity(plan)
+    for replicate in range(count):
+        identity["replicate"] = replicate
+        yield plan.model_copy(update={"replicate": replicate, "flight_id": _hash(identity)})
+
+
+def _drawn_replicates(
+    campaign: Campaign, block: Block, part: Part, encounter: Encounter | None, planned: tuple[Cell, Document, FlightPlan]
+) -> Iterator[FlightPlan]:
+    """Each with its own encounter and its own draws. Replicate 0 has what is drawn about a value at that value."""
+    cell, document, plan = planned
+    who = {name: getattr(plan, name) for name in FlightPlan.model_fields if name not in FlightSettings.model_fields}
+    for replicate in range(part.replicates or 1):
+        name = f"{plan.cell}, replicate {replicate}"
+        try:
+            if encounter:
+                document = cell_document(campaign, block, cell, Tree({}), encounter(plan.speed_mps, campaign.seed, replicate))
+            made = FlightPlan.model_validate({**document.data, **who, "replicate": replicate})
+            if replicate and part.draw:
+                values = {path: drawn(draw, path, made, campaign.seed, replicate) for path, draw in part.draw.items()}
+                assignments = [Assignment(path, Tree.plain(value), path, NOWHERE, NOWHERE) for path, value in values.items()]
+                made = FlightPlan.model_validate({**document.assign(assignments).data, **who, "replicate": replicate})
+        except ValidationError as error:
+            raise SpecError(
+                Problem(NOWHERE, name, f"{_dotted(fault)}: {fault.message}", fault.hint) for fault in faults_of(error)
+            ) from error
+        except DrawError as error:
+            raise SpecError([Problem(NOWHERE, name, f"draw.{error.path}: {error}")]) from error
+        except (NoEncounterError, NoSuchObstacleError) as error:
+            raise SpecError([Problem(NOWHERE, name, str(error))]) from error
+        yield made.model_copy(update={"flight_id": flight_id(made)})
+
+
+def _dotted(fault: Fault) -> str:
+    return ".".join(map(str, fault.loc))
+
+
+def suspects(block: Block, cell: Cell) -> Sequence[Assignment]:
+    """All that a cell has on top of the campaign's settings."""
+    return [*block.set, *assignments_of(cell)]
+
+
+def cell_document(campaign: Campaign, block: Block, cell: Cell, tree: Tree, obstacle: dict[str, Any] | None) -> Document:
+    """Settings of a cell: the campaign's, the part's, the drawn obstacle, the axes' values, in this order.
+
+    Raises ``NoSuchObstacleError``.
+    """
+    written = {name: getattr(campaign, name) for name in FlightSettings.model_fields if name in campaign.model_fields_set}
+    base = Document(written, tree).assign(block.set)
+    return (base.with_obstacle(obstacle) if obstacle else base).assign(assignments_of(cell))
+
+
+def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree) -> Iterator[PlannedCell]:
+    """For each cell its plan (replicate 0 without an id, any obstacle for the drawn one), or what is wrong with the combination."""
+    obstacle = part.encounters.placeholder() if part.encounters else None
+    for cell in block.cells():
+        try:
+            document = cell_document(campaign, block, cell, tree, obstacle)
+        except NoSuchObstacleError as error:
+            at = ("obstacles",)
+            yield cell, Document({}, tree, ((at, error.assignment),)), [Fault(at, error.message, error.hint)]
+            continue
+        who = {
+            "flight_id": "",
+            "campaign": campaign.name,
+            "cell": block.cell_id(cell),
+            "labels": block.labels(cell),
+            "replicate": 0,
+            "seed": campaign.seed,
+        }
+        try:
+            yield cell, document, FlightPlan.model_validate({**document.data, **who})
+        except ValidationError as error:
+            yield cell, document, faults_of(error)

@@ -1,0 +1,121 @@
+"""What is wrong with the values of a campaign's grids: each value by itself, then where axes, draws and encounters meet."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from pydantic import ValidationError
+
+from testbed.campaign.reading.axes import Level
+from testbed.campaign.reading.blocks import Block, overwritten_draws, resolved_parts, skip_problems
+from testbed.campaign.reading.document import Assignment, Document, Fault, NoSuchObstacleError, faults, faults_of
+from testbed.campaign.reading.draws import DrawError, extremes
+from testbed.campaign.reading.expand import plans_of_cells, suspects
+from testbed.campaign.reading.nodes import Tree
+from testbed.campaign.reading.problems import Problem
+from testbed.campaign.words.grid import Draw, Part
+from testbed.campaign.words.population import NAME, Encounters, NoEncounterError
+from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings
+
+
+def level_problems(document: Document, block: Block) -> list[Problem]:
+    """What a part's settings, and each value of each axis, do wrong by themselves, the campaign's own faults apart."""
+    grid = ("parts", "draw", "encounters", "skip", "sweep")
+    base = replace(document, data={key: value for key, value in document.data.items() if key not in grid})
+    base, problems = _level(base, faults(base.data), Level("", block.set))
+    if problems or not block.is_set:  # what axes do on top of it cannot be told
+        return problems
+    try:
+        base = base.with_obstacle(encounters.placeholder()) if (encounters := _encounters(document.data, block)) else base
+    except ValidationError:  # reported already; whether axes go with the obstacle cannot be told
+        return problems
+    known = faults(base.data)
+    for level in (level for axis in block.axes for level in axis.levels):
+        problems += _level(base, known, level)[1]
+    return problems
+
+
+def _level(base: Document, known: Sequence[Fault], level: Level) -> tuple[Document, list[Problem]]:
+    document, problems = base, []
+    for assignment in level.assignments:
+        try:
+            document = document.assign([assignment])
+        except NoSuchObstacleError as error:
+            problems.append(error.problem())
+    new = [fault for fault in faults(document.data) if fault not in known] if level.assignments else []
+    return document, problems + [found for fault in new if (found := document.problem(fault, level.assignments))]
+
+
+def _encounters(data: dict[str, Any], block: Block) -> Encounters | None:
+    """Of data that need not be valid. Raises ``ValidationError``."""
+    parts = data.get("parts")
+    part = parts.get(block.part) if isinstance(parts, dict) else None
+    raw = (part.get("encounters") if isinstance(part, dict) else None) or data.get("encounters")
+    return None if raw is None else Encounters.model_validate(raw)
+
+
+def combination_problems(campaign: Campaign, tree: Tree, blocks: Sequence[Block]) -> list[Problem]:
+    """What only goes wrong when axes, draws and encounters meet; each distinct fault once, with the first cell that has it."""
+    problems: list[Problem] = []
+    parts = resolved_parts(campaign)
+    for block in blocks:
+        part = parts[block.part]
+        found = skip_problems(block) + overwritten_draws(block, part)
+        problems += found or _of_cells(campaign, tree, block, part)
+    return problems
+
+
+def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part) -> list[Problem]:
+    problems: dict[Fault | str, Problem] = {}
+    speeds: dict[float, None] = {}
+    for cell, document, plan in plans_of_cells(campaign, block, part, tree):
+        found: dict[Fault | str, Problem | None] = {}
+        if isinstance(plan, FlightPlan):
+            speeds[plan.speed_mps] = None
+            for problem in _of_draws(part.draw, block, document, plan):
+                found.setdefault(problem.path, problem)
+        elif part.encounters and any(fault.message.startswith("obstacle names must differ") for fault in plan):
+            return [Problem(*block.key("encounters"), f"draw the obstacle '{NAME}', and obstacles has one of that name")]
+        else:
+            found = {fault: document.problem(fault, suspects(block, cell)) for fault in plan if fault not in problems}
+        for key, one in found.items():
+            if one and key not in problems:
+                problems[key] = replace(one, message=f"{one.message} (in the cell '{block.cell_id(cell)}')")
+    return [*problems.values(), *_of_encounters(campaign, block, part, list(speeds))]
+
+
+def _of_draws(draws: dict[str, Draw], block: Block, document: Document, plan: FlightPlan) -> Iterator[Problem]:
+    """Draws that the plan has no place for, or whose range leads out of what the setting may be."""
+    tried: dict[str, Sequence[Any]] = {}
+    for path, draw in draws.items():
+        spot, name = block.key("draw", path)
+        try:
+            document.assign([Assignment(path, Tree(None), name, spot, spot)])
+            tried[path] = extremes(draw, path, plan)
+        except NoSuchObstacleError as error:
+            yield error.problem()
+        except DrawError as error:
+            yield Problem(spot, name, str(error))
+    who = {name: getattr(plan, name) for name in FlightPlan.model_fields if name not in FlightSettings.model_fields}
+    for k in range(max(map(len, tried.values()), default=0)):
+        made = []
+        for path, values in tried.items():
+            spot, name = block.key("draw", path)
+            made.append(Assignment(path, Tree.plain(values[min(k, len(values) - 1)], spot), name, spot, spot))
+        drawn = document.assign(made)
+        try:
+            FlightPlan.model_validate({**drawn.data, **who})
+        except ValidationError as error:
+            yield from (found for fault in faults_of(error) if (found := drawn.problem(fault, made)))
+
+
+def _of_encounters(campaign: Campaign, block: Block, part: Part, speeds: Sequence[float]) -> list[Problem]:
+    if part.encounters is None:
+        return []
+    try:
+        for speed in speeds:
+            for replicate in range(part.replicates or 1):
+                part.encounters.drawn(speed, campaign.seed, replicate)
+    except NoEncounterError as error:
+        return [Problem(*block.key("encounters"), str(error))]
+    return []

@@ -1,0 +1,123 @@
+"""Pydantic's errors in plain words, in the unit that the user wrote."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, get_args
+
+from pydantic_core import ErrorDetails
+
+from testbed.campaign.reading.problems import did_you_mean
+from testbed.campaign.reading.vocabulary import Loc, keys, members, unit_of, untagged
+
+_BOUNDS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+_WANTED = {
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "string_type": "a text",
+    "bool_type": "true or false",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "dict_type": "a section (keys and values)",
+    "model_type": "a section (keys and values)",
+    "model_attributes_type": "a section (keys and values)",
+}
+_NUMBERS = ("float_type", "int_type")
+MAX_SHOWN = 40
+"""Characters of a value that a message repeats."""
+
+
+def shown(value: Any) -> str:
+    """A value as a user would name it."""
+    if isinstance(value, str):
+        return f"the text '{_clipped(value)}'" if value else "an empty text"
+    if isinstance(value, list | tuple | dict):
+        return "a section" if isinstance(value, dict) else "a list"
+    if isinstance(value, float) and not math.isfinite(value):
+        return f"{value}".replace("nan", ".nan").replace("inf", ".inf")
+    return {None: "empty", True: "true", False: "false"}[value] if value is None or isinstance(value, bool) else _clipped(str(value))
+
+
+def _clipped(text: str) -> str:
+    return text if len(text) <= MAX_SHOWN else f"{text[: MAX_SHOWN - 1]}…"
+
+
+def _quoted(names: Sequence[Any]) -> str:
+    return ", ".join(f"'{name}'" for name in names)
+
+
+def _choice(expected: str, value: Any) -> tuple[str, str]:
+    """(message, hint) for a name that is none of pydantic's ``'a', 'b' or 'c'``."""
+    names = expected.split("'")[1::2]
+    allowed = f"must be {'one of ' if len(names) > 1 else ''}{_quoted(names)}, not "
+    return allowed + (f"'{_clipped(value)}'" if isinstance(value, str) else shown(value)), did_you_mean(str(value), names)
+
+
+def worded(error: ErrorDetails) -> tuple[Loc, str, str]:
+    """(location in the data, message, hint) of one error."""
+    kind, value, context = error["type"], error["input"], error.get("ctx", {})
+    loc, holder = untagged(error["loc"][:-1] if error["loc"][-1:] == ("[key]",) else error["loc"])
+    if kind == "extra_forbidden":
+        known = list(keys(holder))
+        return loc, f"unknown key '{loc[-1]}'", did_you_mean(str(loc[-1]), known) or f"known here: {', '.join(known)}"
+    if kind in ("missing", "too_long", "too_short"):
+        return _incomplete(loc, kind, value, context)
+    if kind == "union_tag_not_found":
+        return (*loc, "kind"), "this key is missing", ""
+    if kind == "union_tag_invalid":
+        return (*loc, "kind"), *_choice(context["expected_tags"], value["kind"])
+    return loc, *_unfit(error, unit_of(loc))
+
+
+def _unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
+    """(message, hint) about a value that is where it should be, but not what it should be."""
+    kind, value, context = error["type"], error["input"], error.get("ctx", {})
+    hint = ""
+    if kind in _BOUNDS:
+        name, words = _BOUNDS[kind]
+        message = f"must be {words} {f'{context[name]:g} {unit}'.strip()}, not {f'{shown(value)} {unit}'.strip()}"
+    elif kind in _WANTED:
+        message, hint = f"must be {_WANTED[kind]}, not {shown(value)}", _unit_advice(value, unit) if kind in _NUMBERS else ""
+    elif kind == "literal_error":
+        message, hint = _choice(context["expected"], value)
+    elif kind == "unknown_name":
+        message, hint = error["msg"], did_you_mean(str(value), context["listing"].split(", "))
+    elif kind == "string_pattern_mismatch":
+        message = f"must be letters, digits, '_' and '-' only, not {shown(value)}"
+    elif kind == "string_too_long":
+        message = f"must have at most {context['max_length']} characters, not {len(value)}"
+    elif kind == "finite_number":
+        message = f"must be a finite number, not {shown(value)}"
+    elif kind == "value_error":
+        message = str(context["error"])
+    else:
+        message = error["msg"].replace("Input should be", "must be")
+    return message, hint
+
+
+def _incomplete(loc: Loc, kind: str, value: Any, context: dict[str, Any]) -> tuple[Loc, str, str]:
+    """A missing key, or a list of the wrong length."""
+    if kind == "missing" and isinstance(loc[-1], str):
+        return loc, "this key is missing", ""
+    if kind == "missing":  # an item of a list of fixed length; pydantic says so once for each
+        _, holder = untagged(loc)
+        wanted = len(get_args(members(holder)[0]))
+        return loc[:-1], f"must have {wanted} values, not {len(value)}", ""
+    limit = context.get("max_length", context.get("min_length"))
+    return loc, f"must have {limit} values, not {context['actual_length']}", ""
+
+
+def _unit_advice(value: Any, unit: str) -> str:
+    """``30 m`` was written where the key says metres already."""
+    if not (isinstance(value, str) and unit):
+        return ""
+    number = value.strip().split(" ")[0]
+    try:
+        float(number)
+    except ValueError:
+        return ""
+    return f"write {number}, without quotes or unit: the key says {unit}"

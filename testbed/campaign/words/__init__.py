@@ -1,0 +1,1 @@
+"""The vocabulary of a campaign, validated and frozen."""

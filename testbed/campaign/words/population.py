@@ -1,0 +1,143 @@
+"""A population of encounters: one obstacle for each replicate, drawn about a straight stretch of the own path."""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from testbed.campaign.words.base import Direction, NonNegative, Point, Positive, Section
+from testbed.core.frames import direction_deg, unit_from_direction, vec3
+from testbed.core.seeds import stream
+
+NAME = "O"
+"""Of the obstacle that is drawn."""
+MOST_DRAWS = 20_000
+
+
+class Draw(NamedTuple):
+    """What is random in an encounter: the obstacle's speed, direction (unit vector (3,)) and radius, the miss, and the angle of the miss
+    vector about the relative velocity.
+    """
+
+    speed_mps: float
+    direction: np.ndarray
+    radius_m: float
+    miss_m: float
+    around_rad: float
+
+
+def draws(seed: int, replicate: int, speed_mps: tuple[float, float], radius_m: tuple[float, float]) -> Iterator[Draw]:
+    """Encounters of a replicate, in order, for as long as anybody will look: speed and radius even in their ranges, direction even on
+    the sphere, the miss even in area on the disc of the radius.
+    """
+    rng = stream(seed, replicate, "encounter")
+    for _ in range(MOST_DRAWS):
+        speed, sine, azimuth, radius, share, around = rng.uniform(size=6)
+        speed = speed_mps[0] + speed * (speed_mps[1] - speed_mps[0])
+        radius = radius_m[0] + radius * (radius_m[1] - radius_m[0])
+        sine, azimuth = 2.0 * sine - 1.0, math.tau * azimuth  # even on the sphere: Archimedes
+        flat = math.sqrt(1.0 - sine * sine)
+        direction = np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), sine])
+        yield Draw(speed, direction, radius, radius * math.sqrt(share), math.tau * around)
+
+
+class NoEncounterError(Exception):
+    """What is asked for does not occur, or hardly ever."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            f"none of {MOST_DRAWS:,} draws is an encounter that begins outside of the sphere and comes closest within longest_s"
+        )
+
+
+class Trigger(Section):
+    """Where an encounter begins: how far before the closest approach."""
+
+    range_m: Positive | None = None
+    """Distance from the own aircraft to the obstacle's centre, m."""
+    time_to_cpa_s: Positive | None = None
+    """Time to the closest approach, s."""
+
+    @model_validator(mode="after")
+    def _one_of(self) -> "Trigger":
+        if (self.range_m is None) == (self.time_to_cpa_s is None):
+            raise ValueError("give exactly one of range_m and time_to_cpa_s")
+        return self
+
+
+class Encounters(Section):
+    """Encounters of straight lines, one for each replicate, the same for every method, plant and aircraft.
+
+    Own velocity: ``speed_mps`` of the flight (before draws) along ``own_direction_deg``. The obstacle's speed is even in its range and
+    its direction even on the sphere, so that all crossing and climb angles occur; its radius R is even in its range. The miss vector of
+    the two straight lines is perpendicular to the relative velocity, even in area on the disc of radius R: both flying straight on, they
+    collide. The time to the closest approach follows from the trigger: sqrt(range^2 - miss^2) / relative speed, or it is given. An
+    encounter that comes closest after ``longest_s``, or that begins inside of the sphere, is drawn again, all of it: slow closing is
+    rarer than directions even on the sphere would have it.
+    """
+
+    own_at_enu_m: Point
+    """Where the plan has the aircraft when the encounter begins, on the route: [east, north, up], m."""
+    own_direction_deg: Direction
+    """Direction of the route there: [azimuth counter-clockwise from east, elevation up], deg."""
+    trigger: Trigger
+    """How far before the closest approach that is."""
+    obstacle_speed_mps: tuple[NonNegative, NonNegative]
+    """Least and largest speed of the obstacle, m/s."""
+    radius_m: tuple[Positive, Positive]
+    """Least and largest radius of the sphere, m."""
+    longest_s: Annotated[Positive, Field(le=3600)] = 10.0
+    """Longest time from its begin to the closest approach, s."""
+
+    @model_validator(mode="after")
+    def _possible(self) -> "Encounters":
+        for name, (low, high) in (("obstacle_speed_mps", self.obstacle_speed_mps), ("radius_m", self.radius_m)):
+            if low > high:
+                raise ValueError(f"{name}: the first is more than the second")
+        if self.trigger.range_m is not None and self.trigger.range_m <= self.radius_m[1]:
+            raise ValueError(f"trigger.range_m must be more than the largest radius, {self.radius_m[1]:g} m")
+        if self.trigger.time_to_cpa_s is not None and self.trigger.time_to_cpa_s > self.longest_s:
+            raise ValueError(f"trigger.time_to_cpa_s must be at most longest_s = {self.longest_s:g} s")
+        return self
+
+    def placeholder(self) -> dict[str, Any]:
+        """An obstacle of the population's kind, for checks that need one and not which."""
+        return self._obstacle(self.radius_m[0], self.own_at_enu_m, self.obstacle_speed_mps[0], self.own_direction_deg)
+
+    def drawn(self, own_speed_mps: float, seed: int, replicate: int) -> dict[str, Any]:
+        """The obstacle of one replicate, as a YAML would say it. Raises ``NoEncounterError``."""
+        own_vel = own_speed_mps * np.array(unit_from_direction(*self.own_direction_deg))
+        for one in draws(seed, replicate, self.obstacle_speed_mps, self.radius_m):
+            relative_vel = one.speed_mps * one.direction - own_vel
+            time_s = self._time_to_cpa(one.miss_m, float(np.linalg.norm(relative_vel)))
+            if time_s <= self.longest_s:
+                offset = one.miss_m * perpendicular(relative_vel, one.around_rad) - time_s * relative_vel
+                if np.linalg.norm(offset) > one.radius_m:
+                    place = vec3(np.array(self.own_at_enu_m) + offset)
+                    return self._obstacle(one.radius_m, place, one.speed_mps, direction_deg(vec3(one.direction)))
+        raise NoEncounterError
+
+    def _time_to_cpa(self, miss_m: float, closing_mps: float) -> float:
+        if self.trigger.time_to_cpa_s is not None:
+            return self.trigger.time_to_cpa_s
+        return math.sqrt((self.trigger.range_m or 0.0) ** 2 - miss_m**2) / closing_mps if closing_mps > 0.0 else math.inf
+
+    def _obstacle(self, radius_m: float, place: Point, speed_mps: float, direction: Direction) -> dict[str, Any]:
+        return {
+            "name": NAME,
+            "radius_m": float(radius_m),
+            "position_enu_m": place,
+            "speed_mps": float(speed_mps),
+            "direction_deg": direction,
+            "when": {"own_reaches_enu_m": self.own_at_enu_m},
+        }
+
+
+def perpendicular(vector: np.ndarray, angle: float) -> np.ndarray:
+    """Unit vector (3,) perpendicular to ``vector`` (3,), at that angle (rad) about it; zero for a vector of length 0."""
+    along = vector / (np.linalg.norm(vector) or 1.0)
+    across = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
+    across /= np.linalg.norm(across) or 1.0
+    return math.cos(angle) * across + math.sin(angle) * np.cross(along, across)

@@ -1,0 +1,319 @@
+"""What a campaign may say: the vocabulary of the YAML, validated and frozen.
+
+Every key carries its unit.  ``FlightSettings`` is what one flight needs; a ``Campaign`` is settings plus a sweep, or parts with a
+sweep each (``grid.py``); a ``FlightPlan`` is one cell and replicate of it, fully resolved.
+"""
+
+import math
+from collections.abc import Iterable
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from testbed.campaign.words.air import Air
+from testbed.campaign.words.base import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
+from testbed.campaign.words.check import Check
+from testbed.campaign.words.grid import Grid, Kept, Part, Replicates
+from testbed.campaign.words.lead_time import LeadTime
+from testbed.campaign.words.route import Route
+from testbed.core.catalogue import aircraft_folders
+from vosc.methods import METHODS
+
+
+def _known(what: str, name: str, known: Iterable[str]) -> str:
+    """``name``, if it is one of ``known``; the error carries both, so that a message can suggest the nearest."""
+    if name not in (names := list(known)):
+        context = {"what": what, "name": name, "listing": ", ".join(names)}
+        raise PydanticCustomError("unknown_name", "no {what} '{name}'; there are: {listing}", context)
+    return name
+
+
+def _option(value: object) -> object:
+    """Checked before the union is tried, which would report one bad value three times."""
+    if not isinstance(value, bool | int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
+        raise ValueError("must be true, false, a finite number or a text")
+    return value
+
+
+def _names_differ(obstacles: "tuple[ObstacleSpec, ...]") -> "tuple[ObstacleSpec, ...]":
+    names = [obstacle.name for obstacle in obstacles]
+    if len(set(names)) != len(names):
+        raise ValueError(f"obstacle names must differ: {', '.join(names)}")
+    return obstacles
+
+
+Option = Annotated[bool | float | str, BeforeValidator(_option)]
+Method = Annotated[str, AfterValidator(lambda name: _known("method", name, METHODS))]
+Aircraft = Annotated[str, AfterValidator(lambda name: _known("aircraft", name, aircraft_folders()))]
+
+
+class Begin(Section):
+    """Where on the route the flight starts: an arc length, or the first place where the climb is at most a limit."""
+
+    at_route_s_m: NonNegative | None = None
+    """Arc length along the route, m."""
+    climb_at_most_deg: Annotated[Number, Field(gt=-90, lt=90)] | None = None
+    """The first place where the route's climb angle is at most this, deg."""
+
+    @model_validator(mode="after")
+    def _one_of(self) -> "Begin":
+        if (self.at_route_s_m is None) == (self.climb_at_most_deg is None):
+            raise ValueError("give exactly one of at_route_s_m and climb_at_most_deg")
+        return self
+
+
+class When(Section):
+    """The instant at which an obstacle is at its ``position_enu_m``: a time, or when the plan has the aircraft at a point."""
+
+    time_s: Number | None = None
+    """Time after the flight begins, s."""
+    own_reaches_enu_m: Point | None = None
+    """When the plan without obstacles has the aircraft nearest to this point: [east, north, up], m."""
+
+    @model_validator(mode="after")
+    def _one_of(self) -> "When":
+        if (self.time_s is None) == (self.own_reaches_enu_m is None):
+            raise ValueError("give exactly one of time_s and own_reaches_enu_m")
+        return self
+
+
+class ObstacleSpec(Section):
+    """A sphere that moves in a straight line."""
+
+    name: Name
+    """Short name: letters, digits, _ and -. A sweep addresses the obstacle by it."""
+    radius_m: Positive
+    """The sphere's radius, m."""
+    position_enu_m: Point
+    """The centre at the instant `when`: [east, north, up], m."""
+    speed_mps: NonNegative
+    """Speed over the ground, m/s."""
+    direction_deg: Direction
+    """Direction of flight: [azimuth counter-clockwise from east, elevation up], deg."""
+    when: When = When(time_s=0.0)
+    """The instant at which the obstacle is at position_enu_m."""
+
+
+class Sensor(Section):
+    """What the planner sees: the truth, within a range of the obstacle's centre."""
+
+    kind: Literal["truth"] = "truth"
+    """truth: position and velocity without error."""
+    range_m: Positive = 100.0
+    """An obstacle is seen when its centre is this near, m."""
+
+
+class MethodSpec(Section):
+    """The avoidance method: a name of ``vosc.methods.METHODS`` and its options."""
+
+    kind: Method = "scoam"
+    """Avoidance method; `testbed list methods` shows them."""
+    options: dict[str, Option] = {}  # noqa: RUF012 (pydantic copies it)
+    """The method's own options."""
+
+
+class Rejoin(Section):
+    """How the flight comes back after an avoidance."""
+
+    to: Literal["goal", "route"] = "goal"
+    """goal: straight for the goal. route: back to the original path, and along it."""
+    when: Literal["insertion_point", "clear"] = "insertion_point"
+    """insertion_point: planned at once, from there on (the paper). clear: the avoidance direction is held until every obstacle opens
+    and the way back keeps its radius. A direct answer has no insertion point and always waits until it is clear."""
+    margin_m: NonNegative = 1.0
+    """The way back is clear when it passes every obstacle with this much to spare, m."""
+    bank_deg: Annotated[Number, Field(ge=5, le=70)] = 45.0
+    """The way back to the route turns no tighter than a level turn with this bank, deg."""
+
+
+class Replan(Section):
+    """How a threat becomes a new path (sections 4.3, 5 of the paper)."""
+
+    policy: Literal["once"] = "once"
+    """once: one re-plan per new threat."""
+    answer: Literal["insertion_point", "direct"] = "insertion_point"
+    """insertion_point: a path through the insertion point, with the avoidance direction there (the paper). direct: the avoidance
+    direction at once; a kinematic plant's velocity then jumps to it."""
+    rejoin: Rejoin = Rejoin()
+    """How the flight comes back."""
+    k: Annotated[Number, Field(ge=1)] = 1.25
+    """The insertion point lies k radii ahead of the obstacle's centre, along its velocity (eq. 35)."""
+    time_rule: Literal["arrival", "paper_4_3_2"] = "arrival"
+    """When the insertion point is reached: arrival (own travel time to it) or the rule of section 4.3.2."""
+    swell_m: NonNegative = 0.0
+    """Added to the radius of every obstacle that the planner knows; clearance is still counted from the radius itself, m."""
+    horizon_s: Positive = 10.0
+    """A threat further away in time than this is ignored, s."""
+    magnitude_chords: Annotated[Positive, Field(le=3)] = 1.0
+    """Length of the end tangents of each new piece of path, in its chord lengths."""
+    vo_frame: Literal["air", "ground_naive"] = "air"
+    """air: velocities less the known wind, own sphere of radius airspeed. ground_naive: velocities over the ground, as in calm air."""
+    wind_known: Literal["exact", "estimated", "none"] = "exact"
+    """What the planner knows of the mean wind where it is: all of it, with an error that is drawn once a flight, or nothing."""
+    wind_estimate_sigma_mps: NonNegative = 1.0
+    """Standard deviation of the error of an estimated wind, for each horizontal component, m/s."""
+
+
+class PlantSpec(Section):
+    """Which physics flies the plan."""
+
+    kind: Literal["kinematic", "point_mass", "jsbsim"] = "jsbsim"
+    """kinematic: a point on the planned curve. point_mass: a point with the aircraft's limits. jsbsim: six degrees of freedom."""
+    ideal: tuple[Literal["roll", "load_factor", "speed", "gust"], ...] = ()
+    """Limits of the point_mass that are off: roll (lag, rate, bank limit), load_factor (lag, limits, gust load), speed (thrust, drag).
+    gust: the gust load alone, by which a gust changes the lift; without it a gust changes the velocity through the air only."""
+
+    @model_validator(mode="after")
+    def _ideal_is_for_the_point_mass(self) -> "PlantSpec":
+        if self.ideal and self.kind != "point_mass":
+            raise ValueError(f"ideal goes with kind: point_mass, not with {self.kind}")
+        return self
+
+
+class Rates(Section):
+    """How often each block runs. The guidance's rate must divide the plant's, the planner's the guidance's."""
+
+    plant_hz: Annotated[Whole, Field(ge=60, le=960)] = 120
+    """Steps of the plant, Hz."""
+    guidance_hz: Annotated[Whole, Field(ge=10, le=960)] = 60
+    """Steps of the guidance, Hz; divides plant_hz."""
+    planner_hz: Annotated[Whole, Field(ge=1, le=960)] = 60
+    """Looks of the planner, Hz; divides guidance_hz."""
+
+    @model_validator(mode="after")
+    def _divide(self) -> "Rates":
+        if self.plant_hz % self.guidance_hz:
+            raise ValueError(f"guidance_hz must divide plant_hz = {self.plant_hz}")
+        if self.guidance_hz % self.planner_hz:
+            raise ValueError(f"planner_hz must divide guidance_hz = {self.guidance_hz}")
+        return self
+
+
+class GuidanceSpec(Section):
+    """The path-following law."""
+
+    kind: Literal["look_ahead", "l1"] = "look_ahead"
+    """look_ahead: error feedback with feed-forward of the curvature ahead. l1: Park, Deyst and How's law, which aims at a point ahead."""
+    schedule: Literal["keep", "let_go"] = "let_go"
+    """keep: fly faster or slower (by at most 6 %) to make up for time lost or won along the path. let_go: hold the set speed."""
+
+
+class Traffic(Section):
+    """How obstacles take part in the wind. In calm air all are the same."""
+
+    in_wind: Literal["ground_fixed", "drifts", "anchored"] = "ground_fixed"
+    """ground_fixed: as printed, over the ground. drifts: as printed, through the air, and carried by the mean wind of its place.
+    anchored: so that the flight without planner has the miss vector, closest-approach time and closing speed that it has in calm air."""
+
+
+Share = Annotated[NonNegative, Field(lt=1)]
+
+
+class Vary(Section):
+    """An aircraft other than the published one: factors drawn evenly from 1 less to 1 more a share, per replicate. 0: as published."""
+
+    derivatives_share: Share = 0.0
+    """Of the aerodynamic derivatives, each by itself; of the point_mass its two drags."""
+    lags_share: Share = 0.0
+    """Of the lags of actuators, engines (where the model has them as actuators) and the point_mass."""
+    gains_share: Share = 0.0
+    """Of the gains, leads and lags that guidance and autopilot work with; not of the limits."""
+
+
+class FlightSettings(Section):
+    """Everything one flight needs, apart from who it is."""
+
+    speed_mps: Annotated[Positive, Field(le=150)] = 50.0
+    """Set speed, m/s."""
+    speed_hold: Literal["airspeed", "groundspeed"] = "airspeed"
+    """Which speed is held at speed_mps."""
+    route: Route
+    """The original path."""
+    geometry: Literal["as_given", "level"] = "as_given"
+    """level: the whole encounter turned about the route's start so that both end tangents are horizontal."""
+    terrain_z_m: Number = -200.0
+    """Height of the flat ground in the ENU frame, m."""
+    begin: Begin = Begin(at_route_s_m=0.0)
+    """Where on the route the flight starts."""
+    obstacles: Annotated[tuple[ObstacleSpec, ...], AfterValidator(_names_differ)] = ()
+    """Moving spheres."""
+    traffic: Traffic = Traffic()
+    """How obstacles take part in the wind."""
+    sensor: Sensor = Sensor()
+    """What the planner sees."""
+    method: MethodSpec = MethodSpec()
+    """The avoidance method."""
+    replan: Replan = Replan()
+    """How a threat becomes a new path."""
+    guidance: GuidanceSpec = GuidanceSpec()
+    """The path-following law."""
+    plant: PlantSpec = PlantSpec()
+    """Which physics flies the plan."""
+    rates: Rates = Rates()
+    """How often each block runs."""
+    aircraft: Aircraft = "gtm_t2"
+    """A folder of aircraft/; `testbed list aircraft` shows them."""
+    air: Air = Air()
+    """The air that every plant flies in."""
+    vary: Vary = Vary()
+    """How far the aircraft's data are off those that its gains were made for. A kinematic plant has none of them."""
+    lead_time: LeadTime | None = None
+    """Instead of a flight, search for the least lead that suffices."""
+
+    @field_validator("lead_time")
+    @classmethod
+    def _can_be_searched(cls, lead_time: LeadTime | None, info: ValidationInfo) -> LeadTime | None:
+        if lead_time is not None and (why := lead_time.unfit(info.data)):
+            raise ValueError(why)
+        return lead_time
+
+
+class Campaign(Grid, FlightSettings):
+    """One question, its settings, and the sweep that answers it; or several parts, each with settings and a sweep of its own.
+
+    An axis of ``sweep`` is either ``dotted.path: [values]`` or ``axis_name: {label: {dotted.path: value, ...}, ...}``.
+    Obstacles are addressed by name: ``obstacles.O.speed_mps``.
+    """
+
+    name: Name
+    """Names the run directory: letters, digits, _ and -."""
+    question: str
+    """What this campaign asks, in a sentence."""
+    seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
+    """Root of every random stream. Method, plant and aircraft never change what is drawn."""
+    replicates: Replicates = 1
+    """Flights per cell of the sweep, each with its own random streams."""
+    recordings: Kept = "selected"
+    """Which flights leave a .rrd recording; selected: the first replicate of each cell."""
+    columns: Kept = "none"
+    """Which flights leave their raw columns, from which reports/verify.py computes the results again."""
+    check: Check | None = None
+    """For a campaign that checks the testbed: how it is judged."""
+    verdict: Literal["paper"] | None = None
+    """paper: what becomes of the paper's claims leads the page, and verdict.csv is written (docs/verdict.md)."""
+    parts: dict[Name, Part] = {}  # noqa: RUF012 (pydantic copies it)
+    """Instead of a sweep: named parts, flown one after the other. The name is the first label of a part's cells."""
+
+
+class FlightPlan(FlightSettings):
+    """One flight, fully resolved: settings, and who it is. Same plan, same record."""
+
+    flight_id: str
+    """First 12 hexadecimal digits of a hash of everything else but the campaign."""
+    campaign: str
+    """Name of the campaign."""
+    cell: str
+    """The labels joined by '/'."""
+    labels: dict[str, str]
+    """Axis of the sweep to the label of its value."""
+    replicate: int
+    seed: int
+
+    @field_validator("air")
+    @classmethod
+    def _the_plant_has_that_turbulence(cls, air: Air, info: ValidationInfo) -> Air:
+        plant = info.data.get("plant")
+        if air.turbulence.kind == "jsbsim" and plant is not None and plant.kind != "jsbsim":
+            raise ValueError(f"turbulence.kind: jsbsim goes with plant.kind: jsbsim, not with {plant.kind}; 'dryden' is for every plant")
+        return air

@@ -1,0 +1,1 @@
+"""What everything else stands on: units, frames, seeds, chains of curves, where aircraft are."""

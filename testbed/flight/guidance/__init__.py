@@ -1,0 +1,1 @@
+"""Path following: from the state and the path to a command."""

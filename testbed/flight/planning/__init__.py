@@ -1,0 +1,1 @@
+"""From what is seen to a new path, and back."""

@@ -1,0 +1,87 @@
+"""What a decision of the planner is remembered by: its inputs and its result, whatever it was."""
+
+import math
+from typing import NamedTuple
+
+from testbed.campaign.words.settings import Replan
+from testbed.core.frames import Vec3, vec3
+from testbed.flight.path import ActivePath
+from testbed.flight.record import ReplanEvent
+from testbed.flight.traffic.track import Track
+from vosc import Insertion, Obstacle, Own, Threat, cap, threat
+from vosc.methods import Avoidance
+from vosc.vec import add, along, sub
+
+NAN = math.nan
+NOWHERE: Vec3 = (NAN, NAN, NAN)
+
+
+class Sighting(NamedTuple):
+    """An obstacle that the planner knows, and how it threatens."""
+
+    track: Track
+    obstacle: Obstacle  # its velocity is the one in the planner's frame
+    threat: Threat
+
+    @classmethod
+    def of(cls, track: Track, centre: Vec3, own: Own, wind: Vec3, settings: Replan) -> "Sighting":
+        """An obstacle at ``centre``, seen from the frame that moves with ``wind``, as large as the planner takes it to be."""
+        obstacle = Obstacle(centre, sub(track.vel, wind), track.radius + settings.swell_m)
+        return cls(track, obstacle, threat(own, obstacle, settings.horizon_s))
+
+
+def carried(insertion: Insertion, wind: Vec3) -> Vec3:
+    """The insertion point over the ground: where the wind has carried the one in the air when the aircraft is due there."""
+    return along(vec3(insertion.point_m), insertion.time_s, wind)
+
+
+def make_event(
+    time_s: float,
+    decision: str,
+    method: str,
+    own: Own,
+    major: Sighting,
+    answer: Avoidance | None,
+    insertion: Insertion | None,
+    path: ActivePath | None,
+    wind: Vec3,
+    route_miss_m: float,
+) -> ReplanEvent:
+    """Everything that went into a decision and came out of it; ``own`` and the obstacle are those of the planner's frame.
+
+    The way back (``answer`` is None) has no command of a method.
+    """
+    g = cap(own, major.obstacle)
+    commanded = answer if path else None
+    turns = [curve.max_curvature() for curve in path.curves] if path else []
+    there, on = (turns[0], max(turns[1:], default=NAN)) if insertion and turns else (NAN, max(turns, default=NAN))
+    return ReplanEvent(
+        time_s=time_s,
+        obstacle=major.track.name,
+        decision=decision,
+        method=method,
+        status=answer.status if answer else "clear",
+        own_pos_enu_m=own.pos_m,
+        own_vel_enu_mps=add(own.vel_mps, wind),
+        obstacle_pos_enu_m=major.obstacle.pos_m,
+        obstacle_vel_enu_mps=major.track.vel,
+        radius_m=major.obstacle.radius_m,
+        alpha_rad=major.threat.alpha_rad,
+        alpha0_rad=major.threat.alpha0_rad,
+        time_to_cpa_s=major.threat.time_to_cpa_s,
+        miss_m=major.threat.miss_m,
+        route_miss_m=route_miss_m,
+        cap_radius_mps=g.radius_mps if g else NAN,
+        cap_azimuth_rad=g.azimuth_rad if g else NAN,
+        cap_elevation_rad=g.elevation_rad if g else NAN,
+        cap_half_angle_rad=g.half_angle_rad if g else NAN,
+        command_enu_mps=add(vec3(commanded.velocity_mps), wind) if commanded else NOWHERE,
+        deflection_rad=commanded.deflection_rad if commanded else NAN,
+        margin_rad=answer.margin_rad if answer else NAN,
+        insertion_enu_m=carried(insertion, wind) if insertion else NOWHERE,
+        insertion_time_s=insertion.time_s if insertion else NAN,
+        max_curvature_to_insertion_1pm=there,
+        max_curvature_to_goal_1pm=on,
+        planned_length_m=path.length_m if path else NAN,
+        wind_known_enu_mps=wind,
+    )

@@ -1,0 +1,100 @@
+"""The way back after an avoidance: to the goal, or to the route, at once behind the insertion point or when the flight is clear.
+
+*Clear* is the first time at which every known obstacle opens (its distance grows) and the predicted rest of the flight, along the way
+back, keeps the radius of every one of them and a margin. Until then the flight holds the avoidance direction, so that coming back is
+no second conflict. Predictions hold the present speed over the ground; obstacles go on straight.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from testbed.campaign.words.settings import FlightPlan
+from testbed.core.chain import Chain
+from testbed.core.frames import Vec3
+from testbed.core.units import DEG, G0_MPS2
+from testbed.flight.path import ActivePath
+from testbed.flight.plants.base import State
+from testbed.flight.scene import Scene
+from testbed.flight.traffic.track import Track, least_clearance
+from vosc import ph
+from vosc.vec import add, norm, scale
+
+HELD_M = 600.0  # drawn length of a direction that is held; flights go on straight past it
+PREDICTED_S = 12.0  # how far ahead the rest of a flight is looked at
+PREDICTION_STEP_S = 0.05  # between samples obstacle and aircraft move straight
+AHEAD_S = np.arange(1.0, 12.5, 0.5)  # where on the route to come back to, in flight times ahead of the nearest place
+
+
+def joined(start: Vec3, along: Vec3, end: Vec3, along_there: Vec3, magnitude_chords: float) -> ph.Curve:
+    """The PH curve between two places in two directions, end tangents ``magnitude_chords`` long. Raises as ``ray`` does."""
+    size = magnitude_chords * math.dist(start, end)
+    return ph.hermite(start, resized(along, size), end, resized(along_there, size))
+
+
+def resized(vector: Vec3, size: float) -> Vec3:
+    """The vector scaled to a length."""
+    return scale(size / norm(vector), vector)
+
+
+def ray(point: Vec3, velocity: Vec3) -> ph.Curve:
+    """The straight line in the direction of a velocity. ``ValueError`` or ``ZeroDivisionError`` when it has none."""
+    arrow = resized(velocity, HELD_M)
+    return ph.hermite(point, arrow, add(point, arrow), arrow)
+
+
+def miss_along(path: Chain, s_m: float, speed_mps: float, time_s: float, tracks: Sequence[Track]) -> float:
+    """Least distance (m) to the centre of any of the obstacles along the rest of a path, flown on at that speed; infinite for none."""
+    elapsed = np.arange(0.0, min(PREDICTED_S, max(path.length_m - s_m, 1.0) / speed_mps), PREDICTION_STEP_S)
+    points = path.points(s_m + speed_mps * elapsed)
+    centres = (np.asarray(track.at(time_s)) + np.outer(elapsed, track.vel) for track in tracks)
+    return min((least_clearance(elapsed, points, centre, 0.0).clearance_m for centre in centres), default=math.inf)
+
+
+def opens(state: State, track: Track, time_s: float) -> bool:
+    """Does the distance to the obstacle grow?"""
+    x, y, z = track.at(time_s)
+    wx, wy, wz = track.vel
+    return (x - state.x) * (wx - state.vx) + (y - state.y) * (wy - state.vy) + (z - state.z) * (wz - state.vz) > 0.0
+
+
+class Rejoin:
+    """The way back of one flight."""
+
+    def __init__(self, plan: FlightPlan, scene: Scene) -> None:
+        self._settings, self._magnitude = plan.replan.rejoin, plan.replan.magnitude_chords
+        self._scene = scene
+        self._most_curvature = G0_MPS2 * math.tan(self._settings.bank_deg * DEG) / plan.speed_mps**2
+
+    def when_clear(self, time_s: float, state: State, tracks: Sequence[Track]) -> ActivePath | None:
+        """The way back from the present state, once it is clear of ``tracks``; None while it is not."""
+        if not all(opens(state, track, time_s) for track in tracks):
+            return None
+        velocity = (state.vx, state.vy, state.vz)
+        try:
+            curves = self.curves((state.x, state.y, state.z), velocity)
+        except (ValueError, ZeroDivisionError):  # at the goal
+            return None
+        way, speed = Chain(curves), norm(velocity)
+        kept = (miss_along(way, 0.0, speed, time_s, [track]) - track.radius for track in tracks)
+        return ActivePath(curves) if all(clearance >= self._settings.margin_m for clearance in kept) else None
+
+    def curves(self, point: Vec3, velocity: Vec3) -> tuple[ph.Curve, ...]:
+        """PH pieces from a point, along a velocity over the ground, to the goal or to the route and along it."""
+        if self._settings.to == "route" and (way := self._to_route(point, velocity)):
+            return way
+        return (joined(point, velocity, self._scene.goal, self._scene.goal_tangent, self._magnitude),)
+
+    def _to_route(self, point: Vec3, velocity: Vec3) -> tuple[ph.Curve, ...]:
+        """To the first place of the route that can be reached within the bank that is set aside for it; empty when there is none."""
+        route = self._scene.route
+        nearest = float(route.nearest(np.asarray(point)[None])[0][0])
+        for s_m in nearest + norm(velocity) * AHEAD_S:
+            if s_m >= route.length_m - 1.0:
+                break
+            place, tangent, _ = route.frame(float(s_m))
+            join = joined(point, velocity, place, tangent, self._magnitude)
+            if join.max_curvature() <= self._most_curvature:
+                return (join, *route.tail(float(s_m)))
+        return ()

@@ -1,0 +1,1 @@
+"""What of the truth a planner sees."""

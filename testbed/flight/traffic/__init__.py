@@ -1,0 +1,1 @@
+"""The obstacles as they truly are."""

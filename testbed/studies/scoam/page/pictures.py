@@ -1,0 +1,119 @@
+"""Which flights the verdict draws, and the data behind its curves. The drawing itself is templates/verdict.js."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from testbed.core.catalogue import aircraft_folders
+from testbed.flight.aircraft import load_aircraft
+from testbed.show import palette
+from testbed.show.answer import Row
+from testbed.show.columns import collided, value
+from testbed.show.story import number
+from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, METHOD, named
+
+CURVES = ("time_s", "x", "y", "z", "clearance_m", "bank_deg", "load_factor", "roll_rate_dps", "paths", "obstacles", "decisions")
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A flight of the pictures: the labels that single it out, its name there, its colours by day and by night, its dash."""
+
+    key: str
+    name: str
+    labels: Mapping[str, str]
+    light: str
+    dark: str
+    dash: str
+
+
+def _calm(key: str, name: str, light: str, dark: str, dash: str) -> Shown:
+    return Shown(key, name, {"part": "calm", "rung": key}, light, dark, dash)
+
+
+def _wind(where: str, words: str, light: str, dark: str, dash: str) -> Shown:
+    labels = {"part": "wind", "rung": "jsbsim", "design": "anchored", "wind_mps": "10", "wind_from": where}
+    return Shown(f"wind_{where}", f"flown, wind 10 m/s from {words}", labels, light, dark, dash)
+
+
+SHOWN = (
+    _calm("vo_instant", "velocity turned at once", palette.GREY, palette.GREY, "dot"),
+    _calm("kinematic", "kinematic", "ink", "ink", "solid"),
+    _calm("point_mass", "point mass", palette.PURPLE, palette.PURPLE, "dash"),
+    _calm("jsbsim", "flown, calm", palette.BLUE, palette.SKY, "solid"),
+    _calm("direct", "flown at once, no insertion point", "#A67C00", palette.YELLOW, "dashdot"),
+    _wind("NE", "the north-east", palette.GREEN, "#2CC79E", "dash"),  # the route leads east-north-east: against the flight
+    _wind("NW", "the north-west", palette.GREEN, "#2CC79E", "dot"),  # and across it
+    Shown(
+        "turbulence",
+        "flown, severe turbulence",
+        {"part": "turbulence", "rung": "jsbsim", "severity": "severe"},
+        palette.VERMILLION,
+        palette.ORANGE,
+        "longdash",
+    ),
+)
+IN_SPACE = ("kinematic", "jsbsim", "wind_NE", "wind_NW", "turbulence")
+RUNGS = ("vo_instant", "kinematic", "point_mass", "jsbsim", "direct")
+DEMAND = ("kinematic", "jsbsim")
+
+
+def shown(labels: Mapping[str, str], replicate: int) -> Shown | None:
+    """How the pictures show the flight of these labels; nothing if they do not. A campaign keeps the curves of these flights first."""
+    if replicate or labels.get("encounter") != ENCOUNTER or labels.get("method") != METHOD:
+        return None
+    return next((one for one in SHOWN if all(labels.get(axis) == label for axis, label in one.labels.items())), None)
+
+
+def picture_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]) -> dict[str, Any]:
+    """By aircraft its limits and its flights; which flights each picture takes; names and colours. Only what has curves."""
+    aircraft: dict[str, dict[str, Any]] = {}
+    for row in rows:
+        one, curves = shown(row["labels"], row["replicate"]), series.get(row["flight_id"])
+        if one is None or not curves or not curves["time_s"]:
+            continue
+        name = str(row["aircraft"])
+        panel = aircraft.setdefault(name, {"name": named(AIRCRAFT, name), "limits": _limits(name), "flights": {}})
+        panel["flights"][one.key] = {
+            "collided": collided(row),
+            **{curve: curves[curve] for curve in CURVES if curve in curves},
+        }
+    styles = {one.key: {"name": one.name, "light": one.light, "dark": one.dark, "dash": one.dash} for one in SHOWN}
+    return {
+        "aircraft": aircraft,
+        "styles": styles,
+        "order": [one.key for one in SHOWN],
+        "in_space": IN_SPACE,
+        "rungs": RUNGS,
+        "demand": DEMAND,
+    }
+
+
+def _limits(name: str) -> dict[str, float]:
+    """What the aircraft has, under the names of the curves; nothing for an aircraft that is not installed here."""
+    if name not in aircraft_folders():
+        return {}
+    limits = load_aircraft(name).limits
+    return {"bank_deg": limits.bank_deg, "load_factor": limits.load_factor_max, "roll_rate_dps": limits.roll_rate_dps}
+
+
+def flight_list(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """The flights of the pictures: clearance, recording, and the id to fly one again. Also those without curves."""
+    found = [(one, row) for row in rows if (one := shown(row["labels"], row["replicate"])) is not None]
+    return [
+        {
+            "aircraft": named(AIRCRAFT, str(row["aircraft"])),
+            "name": one.name,
+            "clearance": number(value(row, "least_clearance_m"), 1),
+            "bad": collided(row),
+            "needs": [
+                number(value(row, key), digits) for key, digits in (("max_bank_deg", 0), ("max_load_factor", 1), ("max_roll_rate_dps", 0))
+            ],
+            "recording": row["recording"],
+            "id": row["flight_id"],
+        }
+        for one, row in sorted(
+            found,
+            key=lambda pair: (list(AIRCRAFT).index(pair[1]["aircraft"]) if pair[1]["aircraft"] in AIRCRAFT else 9, SHOWN.index(pair[0])),
+        )
+    ]

@@ -1,0 +1,102 @@
+"""Waterfalls: the clearance from the direction flown at once to turbulence, and what decides it."""
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from testbed.studies.scoam.claim import Step, Waterfall
+from testbed.studies.scoam.verdict.select import SIDES, Flights, Row, clearance
+from testbed.studies.scoam.verdict.stats import NAN
+
+LIMITS: Final = {
+    "roll": ("point_roll", "point_no_roll"),
+    "load factor": ("point_load", "point_no_load"),
+    "speed": ("point_speed", "point_no_speed"),
+}
+"""A limit of the point mass: the rung on which it is the only one, and the rung on which it alone is missing."""
+
+CHAIN: Final = ("vo_instant", "kinematic", "point_ideal", "point_load", "point_no_roll", "point_mass", "jsbsim")
+"""Calm rungs, each with one thing more: the insertion point, guidance, load factor, speed, roll, six degrees of freedom."""
+
+POINT: Final = "insertion point"
+DIRECTION: Final = "avoidance direction"  # what fails without any of the rest
+SIX: Final = "six degrees of freedom"
+
+
+def waterfall(flights: Flights, encounter: str, method: str, aircraft: str) -> Waterfall | None:
+    """The waterfall of one method, or nothing where fewer than two rungs were flown."""
+    where = {"encounter": encounter, "flown_by": aircraft}
+    rungs = {
+        rung: clearance(flights.one("calm", method, rung, **where)) for rung in {*CHAIN, *(r for both in LIMITS.values() for r in both)}
+    }
+    steps, before = [], NAN
+    for rung in CHAIN:
+        if np.isfinite(rungs[rung]):
+            steps.append(Step(rung, rungs[rung], rungs[rung] - before))
+            before = rungs[rung]
+    if len(steps) < 2:
+        return None
+    for name, rows in (("wind", in_wind(flights, method, **where)), ("turbulence", in_turbulence(flights, method, **where))):
+        if rows:
+            middle = float(np.median([clearance(row) for row in rows]))
+            steps.append(Step(name, middle, middle - rungs["jsbsim"]))
+    alone = {limit: rungs["point_ideal"] - rungs[only] for limit, (only, _) in LIMITS.items()}
+    last = {limit: rungs[without] - rungs["point_mass"] for limit, (_, without) in LIMITS.items()}
+    return Waterfall(encounter, method, aircraft, tuple(steps), alone, last)
+
+
+def in_wind(flights: Flights, method: str, rung: str = "jsbsim", design: str = "anchored", **where: str) -> list[Row]:
+    """Flights in steady wind of one design in which the flight without planner fails."""
+    return [row for row in flights.pick("wind", method, rung, design=design, **where) if flights.is_threat(row)]
+
+
+def in_turbulence(flights: Flights, method: str, rung: str = "jsbsim", **where: str) -> list[Row]:
+    """Flights in turbulence in which the flight without planner fails."""
+    return [row for row in flights.pick("turbulence", method, rung, **where) if flights.is_threat(row)]
+
+
+def waterfalls(flights: Flights) -> tuple[Waterfall, ...]:
+    """Of every encounter, method and aircraft of the calm part, in order of appearance."""
+    names = [flights.values("calm", name) for name in ("encounter", "flown_by", "method")]
+    every = (waterfall(flights, e, m, a) for e in names[0] for a in names[1] for m in names[2])
+    return tuple(found for found in every if found is not None)
+
+
+def costs(found: Waterfall) -> dict[str, float]:
+    """Clearance that each step after the flight on rails costs, m. A limit's: the mean of what it costs alone and as the last one."""
+    at = {step.rung: step for step in found.steps}
+    out = {limit: 0.5 * (found.alone_m[limit] + found.last_m[limit]) for limit in found.alone_m}
+    if "jsbsim" in at and "point_mass" in at:
+        out[SIX] = at["point_mass"].clearance_m - at["jsbsim"].clearance_m
+    for air in ("wind", "turbulence"):
+        if air in at:
+            out[air] = -at[air].change_m
+    return {name: cost for name, cost in out.items() if np.isfinite(cost)}
+
+
+def most_costly(found: Mapping[str, float]) -> tuple[str, float]:
+    """The name and the cost of the step that costs most; "" and NaN where none costs anything. Ties: the first."""
+    name = max(found, key=lambda key: found[key], default="")
+    return (name, found[name]) if name and found[name] > 0.0 else ("", NAN)
+
+
+def kinematic_cause(found: Waterfall | None) -> tuple[str, float]:
+    """What a failure on rails is due to, and the clearance it costs, m: the greater of two.
+
+    The avoidance direction, as far as the direction flown at once misses; the insertion point, the rest.
+    """
+    at = {} if found is None else {step.rung: step.clearance_m for step in found.steps}
+    if "vo_instant" not in at or "kinematic" not in at or at["kinematic"] >= 0.0:
+        return "", NAN
+    return most_costly({POINT: at["vo_instant"] - at["kinematic"], DIRECTION: max(0.0, -at["vo_instant"])})
+
+
+def lesser_side(flights: Flights, plane: str, encounter: str, aircraft: str) -> str:
+    """The side of DROAM with the lesser commanded deflection on rails, in calm air; the plane itself where the sides were not flown."""
+    found = {}
+    for name in SIDES[plane]:
+        row = flights.one("calm", name, "kinematic", encounter=encounter, flown_by=aircraft)
+        if row is not None and np.isfinite(angle := float(row.get("deflection_deg") or NAN)):
+            found[name] = angle
+    return min(found, key=lambda name: found[name]) if found else plane

@@ -1,0 +1,131 @@
+"""Chains of PH pieces, and the courses built of them, against closed forms and brute force."""
+
+import math
+
+import numpy as np
+import pytest
+
+from testbed.core.chain import FEW, Chain
+from testbed.core.units import DEG
+from testbed.flight.courses import route_pieces
+from testbed.flight.path import ActivePath
+from tests.plans import plan
+from vosc import ph
+
+
+def course(**shape: object) -> Chain:
+    route = {"start_enu_m": [10, -20, 30], "start_direction_deg": [30, 0], "shape": shape}
+    return Chain([ph.hermite(*piece) for piece in route_pieces(plan(route=route))])
+
+
+def test_a_circle_is_a_circle() -> None:
+    chain = course(kind="circle", radius_m=300, turns=1.5, side="right")
+    s = np.linspace(0.0, chain.length_m, 997)
+    points, _, curvature = chain.sample(s)
+    azimuth = 30 * DEG
+    centre = np.array([10, -20, 30]) + 300 * np.array([math.sin(azimuth), -math.cos(azimuth), 0.0])
+    assert np.abs(np.linalg.norm(points - centre, axis=1) - 300).max() < 1e-3
+    assert np.abs(np.linalg.norm(curvature, axis=1) * 300 - 1).max() < 2e-3
+    assert chain.length_m == pytest.approx(3 * math.pi * 300, rel=1e-5)
+    assert np.linalg.norm(chain.frame(math.pi * 600)[0] - points[0]) < 1e-2, "once around"
+
+
+def test_one_by_one_and_many_at_once_are_the_same_before_on_and_past_the_chain() -> None:
+    chain = course(kind="circle", radius_m=300, turns=1.5, side="right")
+    s = np.linspace(-100.0, chain.length_m + 100.0, 301)
+    frames = [chain.frame(float(x)) for x in s]
+    for column, rows in enumerate(chain.sample(s)):
+        np.testing.assert_allclose(rows, [frame[column] for frame in frames], atol=1e-9)
+    np.testing.assert_array_equal(chain.points(s), chain.sample(s)[0])
+
+
+def test_a_racetrack_closes() -> None:
+    chain = course(kind="racetrack", straight_m=1000, radius_m=250, laps=2)
+    assert chain.length_m == pytest.approx(2 * (2000 + 2 * math.pi * 250), rel=1e-6)
+    start, end = chain.frame(0.0), chain.frame(chain.length_m)
+    assert np.allclose(start[0], end[0], atol=1e-6)
+    assert np.allclose(start[1], end[1], atol=1e-9)
+
+
+def test_a_swerve_swings_between_its_headings_and_begins_without_curvature() -> None:
+    chain = course(kind="swerve", heading_deg=15, swing_m=150, swings=3)
+    _, tangents, curvature = chain.sample(np.linspace(0.0, chain.length_m, 2001))
+    heading = np.arctan2(tangents[:, 1], tangents[:, 0]) / DEG - 30.0
+    assert heading.min() == pytest.approx(-15.0, abs=0.01)
+    assert heading.max() == pytest.approx(15.0, abs=0.01)
+    peak = math.pi * 15 * DEG / 150
+    assert np.linalg.norm(curvature, axis=1).max() == pytest.approx(peak, rel=0.01)
+    assert np.linalg.norm(curvature[[0, -1]], axis=1).max() < 0.02 * peak
+
+
+@pytest.mark.parametrize("replicate", range(8))
+def test_a_random_path_keeps_its_radius_and_climb_and_joins_smoothly(replicate: int) -> None:
+    shape = {"kind": "random", "least_radius_m": [150, 300], "climb_at_most_deg": 8}
+    route = {"start_enu_m": [0, 0, 0], "start_direction_deg": [0, 0], "shape": shape}
+    chain = Chain([ph.hermite(*piece) for piece in route_pieces(plan(route=route, replicate=replicate))])
+    assert 150 * 0.97 <= 1 / chain.max_curvature() <= 300 * 1.03
+    s = np.linspace(0.0, chain.length_m, 4001)
+    _, tangents, curvature = chain.sample(s)
+    assert np.abs(np.arcsin(tangents[:, 2])).max() <= 8.2 * DEG
+    assert np.linalg.norm(np.diff(curvature, axis=0), axis=1).max() < 0.1 * chain.max_curvature(), "no jump of bank"
+
+
+def test_random_paths_differ_by_replicate_and_not_by_aircraft() -> None:
+    shape = {"kind": "random", "least_radius_m": [150, 300], "climb_at_most_deg": 8}
+    route = {"start_enu_m": [0, 0, 0], "start_direction_deg": [0, 0], "shape": shape}
+    first, again, other = (
+        np.concatenate(route_pieces(plan(route=route, replicate=k, aircraft=name))[0])
+        for k, name in ((1, "gtm_t2"), (1, "c172p"), (2, "gtm_t2"))
+    )
+    assert (first == again).all()
+    assert not np.array_equal(first, other)
+
+
+@pytest.mark.parametrize("pieces", [3, 3 * FEW])
+def test_nearest_against_a_fine_search(pieces: int) -> None:
+    chain = course(kind="circle", radius_m=200, turns=pieces / 24)
+    rng = np.random.default_rng(3)
+    s = rng.uniform(50.0, chain.length_m - 50.0, 60)  # away from the seam of the closed circle
+    points = chain.sample(s)[0] + rng.normal(size=(60, 3)) * 15
+    fine = chain.sample(np.linspace(0.0, chain.length_m, 200_001))[0]
+    found, distance = chain.nearest(points, s)
+    for k in range(60):
+        brute = np.linalg.norm(fine - points[k], axis=1)
+        if 0 < brute.argmin() < 200_000:
+            assert distance[k] == pytest.approx(brute.min(), abs=1e-3)
+            assert found[k] == pytest.approx(brute.argmin() * chain.length_m / 200_000, abs=0.1)
+
+
+def test_a_guess_saves_time_and_changes_nothing() -> None:
+    chain = Chain([ph.hermite((0, 0, 0), (500, 200, 60), (500, 100, 50), (500, -100, 0))])
+    rng = np.random.default_rng(8)
+    s = rng.uniform(0.0, chain.length_m, 300)
+    points = chain.sample(s)[0] + rng.normal(size=(300, 3)) * rng.choice([0.1, 3.0, 80.0], (300, 1))
+    guessed, found = chain.nearest(points, s + rng.uniform(-0.5, 0.5, 300)), chain.nearest(points)
+    assert np.allclose(guessed[0], found[0], atol=1e-4)
+    assert np.allclose(guessed[1], found[1], atol=1e-7)
+
+
+def test_nearest_past_the_end_and_not_finite() -> None:
+    chain = Chain([ph.hermite((0, 0, 0), (100, 0, 0), (100, 0, 0), (100, 0, 0))])
+    s, distance = chain.nearest(np.array([[40.0, 3.0, 4.0], [112.0, 0.0, 2.0], [np.nan, 0.0, 0.0]]))
+    assert s[:2] == pytest.approx([40.0, 112.0])
+    assert distance[:2] == pytest.approx([5.0, 2.0])
+    assert np.isnan([s[2], distance[2]]).all()
+    with pytest.raises(ValueError, match="guess_s_m"):
+        course(kind="circle", radius_m=100).nearest(np.zeros((1, 3)))
+
+
+def test_a_lap_is_told_from_the_next_by_the_guess() -> None:
+    chain = course(kind="racetrack", straight_m=500, radius_m=150, laps=3)
+    lap = chain.length_m / 3
+    point = np.array([chain.frame(200.0)[0]])
+    for k in range(3):
+        assert chain.nearest(point, np.array([200.0 + k * lap + 5.0]))[0][0] == pytest.approx(200.0 + k * lap, abs=1e-3)
+
+
+def test_straight_on_before_and_past() -> None:
+    path = ActivePath([ph.hermite((0, 0, 0), (1000, 0, 0), (1000, 0, 0), (1000, 0, 0))])
+    assert path.frame(1010.0)[0] == pytest.approx((1010.0, 0.0, 0.0))
+    assert path.frame(-10.0)[0] == pytest.approx((-10.0, 0.0, 0.0))
+    assert path.leg(5.0) == 0

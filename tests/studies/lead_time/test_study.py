@@ -1,0 +1,159 @@
+"""A study from file to report: the same bytes however it is run, and words for what is wrong with it."""
+
+import csv
+import io
+import math
+from pathlib import Path
+
+import pytest
+
+from testbed.campaign import SpecError, load_campaign
+from testbed.run import runner
+from testbed.run.directory import BadInputError
+from testbed.run.engines import LocalEngine, attempt
+from testbed.run.replay import replay
+from testbed.run.runner import Order
+from testbed.studies.lead_time.line import ONLY, rung_of
+
+STUDY = """\
+name: {name}
+question: How early?
+seed: 3
+replicates: 3
+speed_mps: 50
+route: {{start_enu_m: [0, 0, 0], goal_enu_m: [900, 0, 0], start_direction_deg: [0, 0], goal_direction_deg: [0, 0]}}
+sensor: {{range_m: 10000}}
+replan: {{answer: direct, rejoin: {{when: clear}}}}
+lead_time: {{leads_s: [0.5, 1, 2], tolerance_s: 0.1, obstacle_speed_mps: [20, 50], radius_m: [25, 30]}}
+recordings: none
+rates: {{plant_hz: 60}}
+sweep:
+  plant.kind: [{plants}]
+  replan.swell_m: [0, 8]
+  method.kind: [scoam, least_deflection]
+"""
+
+
+def test_a_point_has_a_rung_whatever_is_ideal_of_it() -> None:
+    """The gust load goes with the load factor: no limits are no limits with or without it."""
+    assert {rung_of(tuple(ideal)) for ideal in ONLY} == set(ONLY.values())
+    assert rung_of(("roll", "load_factor", "speed", "gust")) == rung_of(("roll", "load_factor", "speed")) == "point_ideal"
+    assert rung_of(("gust",)) == "point_mass_no_gust"
+    assert rung_of(("roll", "speed", "gust")) == "point_load_no_gust"
+
+
+class Here:
+    """An engine without processes; it gives up after so many results."""
+
+    name, workers = "here", 1
+
+    def __init__(self, until: int = 10**6) -> None:
+        self.until = until
+
+    def imap(self, fn, items):
+        for number, item in enumerate(items):
+            if number >= self.until:
+                raise KeyboardInterrupt
+            yield number, attempt(fn, item)
+
+
+def study(folder: Path, name: str = "little", plants: str = "kinematic") -> Path:
+    file = folder / f"{name}.yaml"
+    file.write_text(STUDY.format(name=name, plants=plants))
+    return file
+
+
+def reported(folder: Path) -> tuple[bytes, bytes]:
+    return (folder / "lead_time.csv").read_bytes(), (folder / "index.html").read_bytes()
+
+
+def test_a_search_is_a_line_and_an_interrupted_study_goes_on(tmp_path: Path) -> None:
+    file = study(tmp_path)
+    runner.run(Order(file, Here(), tmp_path / "whole"))
+    with pytest.raises(KeyboardInterrupt):
+        runner.run(Order(file, Here(until=5), tmp_path / "torn"))
+    summary = runner.run(Order(file, Here(), tmp_path / "torn"))
+    assert (summary.planned, summary.flown_now, summary.crashed) == (12, 7, 0)
+    assert reported(tmp_path / "torn") == reported(tmp_path / "whole")
+    lines = list(csv.DictReader(io.StringIO(reported(tmp_path / "whole")[0].decode())))
+    assert len(lines) == 12
+    assert {(line["rung"], line["answer"], line["aircraft"]) for line in lines} == {("vo_instant", "direct", "")}
+    for line in lines:
+        assert float(line["waste_s"]) == pytest.approx(float(line["lead_s"]) - float(line["best_s"]), abs=1e-4)
+        assert float(line["range_m"]) == pytest.approx(
+            float(line["closing_mps"]) * float(line["lead_s"]) + float(line["radius_m"]), rel=1e-4
+        )
+        assert [pair.split(":")[0] for pair in line["grid_clearance_m"].split()] == ["0.5", "1", "2"]
+    with pytest.raises(BadInputError, match="cannot be replayed as one"):
+        replay(tmp_path / "whole", _first_id(tmp_path / "whole"))
+
+
+def _first_id(run: Path) -> str:
+    return (run / "timings.csv").read_text().splitlines()[1].split(",")[0]
+
+
+@pytest.mark.slow
+def test_the_report_is_the_same_with_one_and_two_workers(tmp_path: Path) -> None:
+    file = study(tmp_path, plants="kinematic, jsbsim")
+    for workers in (1, 2):
+        runner.run(Order(file, LocalEngine(workers), tmp_path / str(workers)))
+    assert reported(tmp_path / "1") == reported(tmp_path / "2")
+    lines = list(csv.DictReader(io.StringIO(reported(tmp_path / "1")[0].decode())))
+    by_encounter = {}
+    for line in lines:
+        by_encounter.setdefault(line["encounter"], set()).add((line["radius_m"], line["closing_mps"], line["miss_m"]))
+    assert all(len(seen) == 1 for seen in by_encounter.values())
+    for line in lines:  # whoever turns at once needs no more than an aeroplane
+        if line["rung"] == "jsbsim":
+            assert float(line["best_s"]) > float(line["entry_s"]) + 0.1
+
+
+def test_a_search_that_the_program_fails_is_a_crash_and_no_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(plan: object) -> None:
+        raise ZeroDivisionError("no encounter")
+
+    monkeypatch.setattr("testbed.studies.lead_time.search.search", fails)
+    summary = runner.run(Order(study(tmp_path), Here(), tmp_path / "out"))
+    assert summary.crashed == 12
+    assert len(reported(tmp_path / "out")[0].splitlines()) == 1
+
+
+WRONG = [
+    ("leads_s: [0.5, 1, 2]", "leads_s: [0.5, 2, 1]", "each lead must be more than the one before it"),
+    ("radius_m: [25, 30]", "radius_m: [30, 25]", "the first is more than the second"),
+    ("tolerance_s: 0.1", "run_up_s: 0.123", "run_up_s must be a whole number of looks of the planner, 1/60 s each"),
+    ("range_m: 10000", "range_m: 100", "needs sensor.range_m of 330 m at least"),
+    ("goal_enu_m: [900, 0, 0]", "goal_enu_m: [400, 0, 0]", "needs a route of 500 m at least"),
+    ("goal_enu_m: [900, 0, 0]", "goal_enu_m: [900, 10, 0]", "needs a straight level route"),
+    ("recordings: none", "air: {wind: {kind: steady, speed_mps: 5, from_deg: 0}}", "needs traffic.in_wind: anchored in a wind"),
+    ("recordings: none", "air: {wind: {kind: power_law, speed_mps: 5, from_deg: 0}}", "goes with calm air or a steady wind"),
+    (
+        "recordings: none",
+        "obstacles: [{name: O, radius_m: 25, position_enu_m: [1, 2, 3], speed_mps: 4, direction_deg: [5, 6]}]",
+        "draws the obstacle itself: leave out obstacles",
+    ),
+]
+
+
+@pytest.mark.parametrize(("good", "bad", "says"), WRONG, ids=[bad for _, bad, _ in WRONG])
+def test_what_cannot_be_searched_is_said_where_it_stands(tmp_path: Path, good: str, bad: str, says: str) -> None:
+    file = study(tmp_path)
+    file.write_text(file.read_text().replace(good, bad))
+    with pytest.raises(SpecError) as refused:
+        load_campaign(file)
+    assert says in str(refused.value)
+    assert "lead_time" in str(refused.value)
+
+
+def test_a_part_is_a_study_and_flights_do_not_mix_with_searches(tmp_path: Path) -> None:
+    head = STUDY.format(name="parted", plants="kinematic").partition("sweep:")[0] + "plant: {kind: kinematic}\n"
+    file = tmp_path / "parted.yaml"
+    file.write_text(f"{head}parts:\n  first: {{sweep: {{replan.swell_m: [0, 8]}}}}\n  second: {{replicates: 2}}\n")
+    runner.run(Order(file, Here(), tmp_path / "out"))
+    lines = list(csv.DictReader(io.StringIO(reported(tmp_path / "out")[0].decode())))
+    assert [line["study"] for line in lines] == ["first"] * 6 + ["second"] * 2
+    assert all(math.isfinite(float(line["best_s"])) for line in lines)
+    file.write_text(file.read_text().replace("second: {", "second: {set: {lead_time: null}, "))
+    with pytest.raises(BadInputError, match="all of a campaign's flights are searches"):
+        runner.run(Order(file, Here(), tmp_path / "mixed"))
+    assert not (tmp_path / "mixed").exists()
