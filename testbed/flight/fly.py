@@ -12,14 +12,14 @@ from collections.abc import Callable
 from time import perf_counter
 
 from testbed.campaign.words.settings import FlightPlan
-from testbed.flight.aircraft import idealised, load_aircraft
-from testbed.flight.guidance.look_ahead import Law
+from testbed.core import registry
+from testbed.flight.aircraft import Aircraft, idealised, load_aircraft
+from testbed.flight.guidance.law import GuidanceSetting, Law, SpeedHold
 from testbed.flight.log import FlightLog, finish
-from testbed.flight.parts import GUIDANCE, PLANTS
 from testbed.flight.path import ActivePath
 from testbed.flight.planning.replan import Memory as PlannerMemory
 from testbed.flight.planning.replan import Planner
-from testbed.flight.plants.base import Plant, Start, State, TrimFailedError
+from testbed.flight.plants.base import Plant, PlantSetting, Start, State, TrimFailedError
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.scene import Scene, make_scene
 from testbed.flight.variation import varied
@@ -47,10 +47,10 @@ def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None) -> Flig
     log.change_path(0.0, path)
     aircraft = idealised(varied(load_aircraft(plan.aircraft), plan), plan.plant.ideal)
     try:
-        plant = PLANTS[plan.plant.kind](plan, aircraft, start_of(plan, scene), scene)
+        plant = make_plant(plan, aircraft, start_of(plan, scene), scene)
     except TrimFailedError as error:
         return finish(log, scene, Outcome.TRIM_FAILED, str(error), {"set_up_s": perf_counter() - began})
-    law = GUIDANCE[plan.guidance.kind](plan, aircraft)
+    law = make_law(plan, aircraft)
     ready = perf_counter()
     planner = Planner(plan, scene)
     outcome, message = _loop(plan, scene, path, planner, plant, law, log, until(scene) if until else None)
@@ -100,6 +100,23 @@ def _loop(
             sample = read()
             write(pack(*sample))
             tick += 1
+
+
+def make_plant(plan: FlightPlan, aircraft: Aircraft, start: Start, scene: Scene) -> Plant:
+    """The physics that the plan asks for, at its start. Raises ``TrimFailedError``."""
+    make = registry.part("plant", plan.plant.kind, plan.plugins)
+    rates, held = plan.rates, plan.speed_hold == "airspeed"
+    setting = PlantSetting(aircraft, start, scene.air, rates.plant_hz, rates.guidance_hz, plan.terrain_z_m, held, plan.plant.ideal)
+    plant: Plant = make(setting, **plan.plant.options)
+    return plant
+
+
+def make_law(plan: FlightPlan, aircraft: Aircraft) -> Law:
+    """The path-following law that the plan asks for, with the aircraft's gains and limits."""
+    make = registry.part("guidance", plan.guidance.kind, plan.plugins)
+    hold = SpeedHold(plan.speed_mps, plan.speed_hold == "airspeed", plan.guidance.schedule == "keep")
+    law: Law = make(GuidanceSetting(aircraft, hold, 1.0 / plan.rates.guidance_hz), **plan.guidance.options)
+    return law
 
 
 def start_of(plan: FlightPlan, scene: Scene) -> Start:

@@ -8,7 +8,7 @@ import numpy as np
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import quat_xyzw_from_euler
-from testbed.flight.guidance.look_ahead import Telemetry
+from testbed.flight.guidance.law import Telemetry
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import Plant, State
 from testbed.flight.record import FlightRecord, Outcome, PlannedPath, ReplanEvent, inside

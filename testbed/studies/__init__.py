@@ -1,1 +1,3 @@
-"""One folder for each question that a campaign can be judged by."""
+"""One folder for each question that a campaign can be judged by, and a line in ``STUDIES``."""
+
+STUDIES: dict[str, str] = {}

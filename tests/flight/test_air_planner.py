@@ -9,8 +9,7 @@ from testbed import fly, measure
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.frames import vec3, wind_enu_from_compass
 from testbed.flight.aircraft import load_aircraft
-from testbed.flight.fly import start_of
-from testbed.flight.parts import GUIDANCE, PLANTS
+from testbed.flight.fly import make_law, make_plant, start_of
 from testbed.flight.path import ActivePath
 from testbed.flight.planning.rejoin import resized
 from testbed.flight.planning.replan import Memory, Planner
@@ -163,8 +162,8 @@ def flight_in_moving_air(a_plan: FlightPlan, wind: np.ndarray, seconds: float) -
     scene, aircraft = make_scene(a_plan), load_aircraft(a_plan.aircraft)
     velocity = np.array([50.0, 0.0, 0.0]) + wind
     start = start_of(a_plan, scene)._replace(tangent=vec3(velocity / np.linalg.norm(velocity)), wind=vec3(wind))
-    plant = PLANTS[a_plan.plant.kind](a_plan, aircraft, start, scene)
-    law, planner, handled = GUIDANCE["look_ahead"](a_plan, aircraft), Planner(a_plan, scene), Memory()
+    plant = make_plant(a_plan, aircraft, start, scene)
+    law, planner, handled = make_law(a_plan, aircraft), Planner(a_plan, scene), Memory()
     path, memory = ActivePath((scene.route,)), law.start(0.0)
     places, events = [], []
     for tick in range(round(seconds * 120)):

@@ -8,7 +8,8 @@ import pytest
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.guidance.l1 import L1Law
-from testbed.flight.guidance.look_ahead import BANK_LIMITED, LIFT_LIMITED, LookAheadLaw, SpeedHold
+from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED, SpeedHold
+from testbed.flight.guidance.look_ahead import LookAheadLaw
 from testbed.flight.path import STEP_M, ActivePath
 from testbed.flight.plants.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, State

@@ -71,16 +71,17 @@ class Avoidance:
     margin_rad: float
 
 
-def avoid(name: str, own: Own, obstacles: Sequence[Obstacle], **options: Any) -> Avoidance:
-    """The velocity that method ``name`` commands against ``obstacles``; never NaN, never an exception for a physical input.
+def avoid(method: str | Method, own: Own, obstacles: Sequence[Obstacle], **options: Any) -> Avoidance:
+    """The velocity that a method, by name or as a function, commands against ``obstacles``; never NaN, never an exception for a
+    physical input.
 
     ``ValueError`` for a name not in ``METHODS``, an option the method does not have, or a value it does not take.
     """
-    if name not in METHODS:
-        raise ValueError(f"no avoidance method '{name}'; there are: {', '.join(METHODS)}")
-    if not options.keys() <= OPTIONS[name]:
-        unknown = ", ".join(sorted(options.keys() - OPTIONS[name]))
-        raise ValueError(f"method '{name}' has no option {unknown}; it has: {', '.join(sorted(OPTIONS[name])) or 'none'}")
+    if isinstance(method, str):
+        name, method = method, _named(method)
+        if not options.keys() <= OPTIONS[name]:
+            unknown = ", ".join(sorted(options.keys() - OPTIONS[name]))
+            raise ValueError(f"method '{name}' has no option {unknown}; it has: {', '.join(sorted(OPTIONS[name])) or 'none'}")
     obstacles = tuple(obstacles)
     present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in obstacles), default=math.inf)
     if any(math.dist(own.pos_m, o.pos_m) < o.radius_m for o in obstacles):
@@ -88,10 +89,16 @@ def avoid(name: str, own: Own, obstacles: Sequence[Obstacle], **options: Any) ->
     elif present >= -MARGIN_RAD:
         choice = Choice(own.vel_mps, "clear")
     else:
-        choice = METHODS[name](own, obstacles, **options)
+        choice = method(own, obstacles, **options)
     kept = choice.velocity_mps == own.vel_mps
     margin = present if kept else min(cone_margin(own.pos_m, choice.velocity_mps, o) for o in obstacles)
     status = choice.status
     if status == "avoided" and margin < -MARGIN_RAD:
         status = "unsafe"
     return Avoidance(array(choice.velocity_mps), 0.0 if kept else deflection(own.vel_mps, choice.velocity_mps), status, margin)
+
+
+def _named(name: str) -> Method:
+    if name not in METHODS:
+        raise ValueError(f"no avoidance method '{name}'; there are: {', '.join(METHODS)}")
+    return METHODS[name]

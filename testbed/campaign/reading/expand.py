@@ -15,8 +15,10 @@ from testbed.campaign.reading.draws import DrawError, drawn
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
 from testbed.campaign.words.grid import Part
+from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.population import NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings, Vary
+from testbed.core import registry
 
 Encounter = Callable[[float, int, int], dict[str, Any]]
 """From own speed (m/s), seed and replicate to an obstacle."""
@@ -61,10 +63,28 @@ def flight_id(plan: FlightPlan) -> str:
     return _hash(_identity(plan))
 
 
+def with_origins(plan: FlightPlan) -> FlightPlan:
+    """The plan with the hash or version of every part that is not built in."""
+    found = registry.origins((section.family, section.kind) for section in plan.plugged)
+    return plan.model_copy(update={"plugins": found}) if found else plan
+
+
 def _identity(plan: FlightPlan) -> dict[str, Any]:
-    # a flight that varies nothing is the flight it was before there was anything to vary
-    unsaid = {"vary"} if plan.vary == Vary() else set()
-    return plan.model_dump(mode="json", exclude={"flight_id", "campaign"} | unsaid)
+    return plan.model_dump(mode="json", exclude={"flight_id": True, "campaign": True, **_unsaid(plan)})
+
+
+def _unsaid(plan: FlightPlan) -> dict[str, Any]:
+    """What is not said of a flight that does without: it is the flight it was before there was such a thing."""
+    unsaid: dict[str, Any] = {}
+    if plan.vary == Vary():
+        unsaid["vary"] = True
+    if not plan.plugins:
+        unsaid["plugins"] = True
+    for name in FlightSettings.model_fields:
+        section = getattr(plan, name)
+        if isinstance(section, Pluggable) and name != "method" and not section.options:
+            unsaid[name] = {"options"}
+    return unsaid
 
 
 def _hash(identity: dict[str, Any]) -> str:
@@ -96,6 +116,7 @@ def _drawn_replicates(
                 values = {path: drawn(draw, path, made, campaign.seed, replicate) for path, draw in part.draw.items()}
                 assignments = [Assignment(path, Tree.plain(value), path, NOWHERE, NOWHERE) for path, value in values.items()]
                 made = FlightPlan.model_validate({**document.assign(assignments).data, **who, "replicate": replicate})
+                made = with_origins(made)
         except ValidationError as error:
             raise SpecError(
                 Problem(NOWHERE, name, f"{_dotted(fault)}: {fault.message}", fault.hint) for fault in faults_of(error)
@@ -145,6 +166,6 @@ def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree) -> 
             "seed": campaign.seed,
         }
         try:
-            yield cell, document, FlightPlan.model_validate({**document.data, **who})
+            yield cell, document, with_origins(FlightPlan.model_validate({**document.data, **who}))
         except ValidationError as error:
             yield cell, document, faults_of(error)

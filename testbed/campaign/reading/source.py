@@ -5,12 +5,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from testbed.campaign.reading.blocks import Block, blocks_of, no_such_part, size_problems
-from testbed.campaign.reading.document import Assignment, Document, NoSuchObstacleError, faults
+from testbed.campaign.reading.document import Assignment, Document, Fault, NoSuchObstacleError, faults
 from testbed.campaign.reading.findings import combination_problems, level_problems
 from testbed.campaign.reading.nodes import Tree, parse, read_text
 from testbed.campaign.reading.problems import Problem, Source, SpecError, Spot
 from testbed.campaign.reading.vocabulary import path_fault
 from testbed.campaign.words.settings import Campaign
+from testbed.core import plugins
+
+KEPT_PLUGINS = "plugins"
+"""Folder of a run directory in which the campaign's plug-ins are kept."""
 
 GRIDS = ("sweep", "skip", "draw", "encounters", "parts")
 DOTTED = ("sweep", "set", "draw")
@@ -30,6 +34,8 @@ def load_campaign(path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
     tree, sets, unmade = _with_grids(tree, sets)
     written = Document(tree.value, tree)
     document, unknown = _overridden(written, sets)
+    if faulty := _plug_in(document, Path(path).parent):
+        raise SpecError([*problems, *more, *faulty])
     blocks, shape = blocks_of(tree)
     problems += more + unmade + unknown + shape + _without_effect(sets, blocks)
 
@@ -47,6 +53,31 @@ def load_campaign(path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
     if found_late := too_many or combination_problems(campaign, tree, blocks):
         raise SpecError(found_late)
     return campaign
+
+
+def _plug_in(document: Document, folder: Path) -> list[Problem]:
+    """Make the parts in the campaign's own files known, before anything is held against them."""
+    written = document.data.get("plugins", ())
+    problems: list[Problem | None] = []
+    taken: dict[str, int] = {}
+    for i, name in enumerate(written if isinstance(written, list | tuple) else ()):
+        if not isinstance(name, str) or not name:  # told with the rest of the data
+            continue
+        try:
+            plugin = plugins.read(_found(folder, name))
+            if taken.setdefault(plugin.name, i) != i:
+                raise plugins.PluginError(f"there are two plug-ins '{plugin.name}'")
+            plugins.add([plugin])
+        except plugins.PluginError as error:
+            problems.append(document.problem(Fault(("plugins", i), str(error))))
+    return [problem for problem in problems if problem]
+
+
+def _found(folder: Path, name: str) -> Path:
+    """A plug-in's file beside the campaign; or, for the copy of a campaign in a run directory, where a run keeps it."""
+    file = folder / name
+    kept = folder / KEPT_PLUGINS / file.name
+    return kept if kept.is_file() and not file.is_file() else file
 
 
 def _read_overrides(overrides: Sequence[str]) -> tuple[list[Assignment], list[Problem]]:

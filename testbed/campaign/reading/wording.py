@@ -86,6 +86,10 @@ def _unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
         message, hint = _choice(context["expected"], value)
     elif kind == "unknown_name":
         message, hint = error["msg"], did_you_mean(str(value), context["listing"].split(", "))
+    elif kind == "unknown_option":
+        message, hint = error["msg"], did_you_mean(context["option"], context["listing"].split(", "))
+    elif kind == "bad_option":
+        message = error["msg"]
     elif kind == "string_pattern_mismatch":
         message = f"must be letters, digits, '_' and '-' only, not {shown(value)}"
     elif kind == "string_too_long":

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from testbed.campaign.words.base import Direction, NonNegative, Number, Positive, Section
+from testbed.core.section import Direction, NonNegative, Number, Positive, Section
 
 WindSpeed = Annotated[NonNegative, Field(le=40)]
 From = Annotated[Number, Field(ge=-360, le=360)]

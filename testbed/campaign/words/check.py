@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from testbed.campaign.words.base import NonNegative, Number, Positive, Section
+from testbed.core.section import NonNegative, Number, Positive, Section
 
 
 class CheckSection(Section):

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from testbed.campaign.words.base import Number, Section, Whole
 from testbed.campaign.words.population import Encounters
+from testbed.core.section import Number, Section, Whole
 
 PART = "part"
 """The first label of each flight of a campaign with parts."""

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import Field, field_validator
 
-from testbed.campaign.words.base import NonNegative, Positive, Section
 from testbed.core.frames import unit_from_direction
+from testbed.core.section import NonNegative, Positive, Section
 
 CLEAR_BY_S = 8.0
 """So long after the closest approach the route must still go on, s."""

@@ -7,8 +7,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from testbed.campaign.words.base import Direction, NonNegative, Point, Positive, Section
 from testbed.core.frames import direction_deg, unit_from_direction, vec3
+from testbed.core.section import Direction, NonNegative, Point, Positive, Section
 from testbed.core.seeds import stream
 
 NAME = "O"

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from testbed.campaign.words.base import Direction, Number, Point, Positive, Section, Whole
+from testbed.core.section import Direction, Number, Point, Positive, Section, Whole
 
 Side = Literal["left", "right"]
 

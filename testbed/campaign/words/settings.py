@@ -4,21 +4,21 @@ Every key carries its unit.  ``FlightSettings`` is what one flight needs; a ``Ca
 sweep each (``grid.py``); a ``FlightPlan`` is one cell and replicate of it, fully resolved.
 """
 
-import math
 from collections.abc import Iterable
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from testbed.campaign.words.air import Air
-from testbed.campaign.words.base import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
 from testbed.campaign.words.check import Check
 from testbed.campaign.words.grid import Grid, Kept, Part, Replicates
 from testbed.campaign.words.lead_time import LeadTime
+from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Route
 from testbed.core.catalogue import aircraft_folders
-from vosc.methods import METHODS
+from testbed.core.section import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
+from vosc import Obstacle, Own
 
 
 def _known(what: str, name: str, known: Iterable[str]) -> str:
@@ -29,13 +29,6 @@ def _known(what: str, name: str, known: Iterable[str]) -> str:
     return name
 
 
-def _option(value: object) -> object:
-    """Checked before the union is tried, which would report one bad value three times."""
-    if not isinstance(value, bool | int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
-        raise ValueError("must be true, false, a finite number or a text")
-    return value
-
-
 def _names_differ(obstacles: "tuple[ObstacleSpec, ...]") -> "tuple[ObstacleSpec, ...]":
     names = [obstacle.name for obstacle in obstacles]
     if len(set(names)) != len(names):
@@ -43,8 +36,6 @@ def _names_differ(obstacles: "tuple[ObstacleSpec, ...]") -> "tuple[ObstacleSpec,
     return obstacles
 
 
-Option = Annotated[bool | float | str, BeforeValidator(_option)]
-Method = Annotated[str, AfterValidator(lambda name: _known("method", name, METHODS))]
 Aircraft = Annotated[str, AfterValidator(lambda name: _known("aircraft", name, aircraft_folders()))]
 
 
@@ -95,22 +86,29 @@ class ObstacleSpec(Section):
     """The instant at which the obstacle is at position_enu_m."""
 
 
-class Sensor(Section):
+class Sensor(Pluggable):
     """What the planner sees: the truth, within a range of the obstacle's centre."""
 
-    kind: Literal["truth"] = "truth"
+    family = "sensor"
+
+    kind: str = "truth"
     """truth: position and velocity without error."""
     range_m: Positive = 100.0
     """An obstacle is seen when its centre is this near, m."""
 
 
-class MethodSpec(Section):
-    """The avoidance method: a name of ``vosc.methods.METHODS`` and its options."""
+class MethodSpec(Pluggable):
+    """The avoidance method and its options."""
 
-    kind: Method = "scoam"
-    """Avoidance method; `testbed list methods` shows them."""
-    options: dict[str, Option] = {}  # noqa: RUF012 (pydantic copies it)
-    """The method's own options."""
+    family = "method"
+
+    kind: str = "scoam"
+    """Avoidance method; `testbed list methods` shows them. `file:function` is one of a plug-in."""
+
+    @classmethod
+    def _try(cls, part: Any, options: dict[str, Any]) -> None:
+        own, obstacle = Own((0.0, 0.0, 0.0), (50.0, 0.0, 0.0)), Obstacle((100.0, 0.0, 0.0), (0.0, 0.0, 0.0), 25.0)
+        part(own, (obstacle,), **options)
 
 
 class Rejoin(Section):
@@ -155,10 +153,12 @@ class Replan(Section):
     """Standard deviation of the error of an estimated wind, for each horizontal component, m/s."""
 
 
-class PlantSpec(Section):
+class PlantSpec(Pluggable):
     """Which physics flies the plan."""
 
-    kind: Literal["kinematic", "point_mass", "jsbsim"] = "jsbsim"
+    family = "plant"
+
+    kind: str = "jsbsim"
     """kinematic: a point on the planned curve. point_mass: a point with the aircraft's limits. jsbsim: six degrees of freedom."""
     ideal: tuple[Literal["roll", "load_factor", "speed", "gust"], ...] = ()
     """Limits of the point_mass that are off: roll (lag, rate, bank limit), load_factor (lag, limits, gust load), speed (thrust, drag).
@@ -190,10 +190,12 @@ class Rates(Section):
         return self
 
 
-class GuidanceSpec(Section):
+class GuidanceSpec(Pluggable):
     """The path-following law."""
 
-    kind: Literal["look_ahead", "l1"] = "look_ahead"
+    family = "guidance"
+
+    kind: str = "look_ahead"
     """look_ahead: error feedback with feed-forward of the curvature ahead. l1: Park, Deyst and How's law, which aims at a point ahead."""
     schedule: Literal["keep", "let_go"] = "let_go"
     """keep: fly faster or slower (by at most 6 %) to make up for time lost or won along the path. let_go: hold the set speed."""
@@ -292,6 +294,8 @@ class Campaign(Grid, FlightSettings):
     """For a campaign that checks the testbed: how it is judged."""
     verdict: Literal["paper"] | None = None
     """paper: what becomes of the paper's claims leads the page, and verdict.csv is written (docs/verdict.md)."""
+    plugins: tuple[Annotated[str, Field(min_length=1)], ...] = ()
+    """Python files with parts of one's own, relative to this file: [./tangent.py] gives the kinds "tangent:<name>"."""
     parts: dict[Name, Part] = {}  # noqa: RUF012 (pydantic copies it)
     """Instead of a sweep: named parts, flown one after the other. The name is the first label of a part's cells."""
 
@@ -309,6 +313,13 @@ class FlightPlan(FlightSettings):
     """Axis of the sweep to the label of its value."""
     replicate: int
     seed: int
+    plugins: dict[str, str] = {}  # noqa: RUF012 (pydantic copies it)
+    """Where parts come from that are not built in: plug-in to the SHA-256 of its file, distribution to its version."""
+
+    @property
+    def plugged(self) -> tuple[Pluggable, ...]:
+        """Every section that names a part."""
+        return tuple(value for name in FlightSettings.model_fields if isinstance(value := getattr(self, name), Pluggable))
 
     @field_validator("air")
     @classmethod

@@ -12,7 +12,8 @@ import math
 
 from testbed.core.units import G0_MPS2
 from testbed.flight.aircraft import Aircraft
-from testbed.flight.guidance.look_ahead import BankToTurn, Memory, SpeedHold, Telemetry
+from testbed.flight.guidance.bank_to_turn import BankToTurn
+from testbed.flight.guidance.law import GuidanceSetting, Memory, SpeedHold, Telemetry
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import Command, State
 
@@ -50,6 +51,11 @@ class L1Law:
         command = Command(bank, load_factor, airspeed, power_ahead[5])
         memory = Memory(s + speed * self._dt, memory.scheduled_s_m + scheduled * self._dt)
         return command, memory, Telemetry(s, bank, load_factor, limited)
+
+
+def make_law(setting: GuidanceSetting) -> L1Law:
+    """The law for one flight."""
+    return L1Law(setting.aircraft, setting.hold, setting.dt_s)
 
 
 def _nearest(s_m: float, state: State, path: ActivePath) -> tuple[float, float]:

@@ -1,1 +1,3 @@
-"""From what is seen to a new path, and back."""
+"""From what is seen to a new path, and back. A planner is a file here and a line in ``PLANNERS``."""
+
+PLANNERS = {"replan": "testbed.flight.planning.replan:Planner"}

@@ -25,6 +25,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from testbed.campaign.words.settings import FlightPlan
+from testbed.core import registry
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3, vec3
 from testbed.core.seeds import stream
@@ -58,6 +59,7 @@ class Planner:
 
     def __init__(self, plan: FlightPlan, scene: Scene) -> None:
         self._plan, self._scene = plan, scene
+        self._method = registry.part("method", plan.method.kind, plan.plugins)
         self._rejoin = Rejoin(plan, scene)
         self._watch = Watch(scene.tracks, plan.sensor.range_m, plan.replan.swell_m)
         self._error = _wind_error(plan)
@@ -107,7 +109,7 @@ class Planner:
         settings, kind = self._plan.replan, self._plan.method.kind
         own, wind = self._own(time_s, state)
         major = min(threats, key=lambda sighting: time_of_collision(own, sighting))
-        answer = avoid(kind, own, [sighting.obstacle for sighting in threats], **self._plan.method.options)
+        answer = avoid(self._method, own, [sighting.obstacle for sighting in threats], **self._plan.method.options)
         memory = memory._replace(handled=memory.handled | {sighting.track.name for sighting in threats})
         insertion, new, decision = None, None, "none" if kind == "none" else answer.status
         if kind != "none" and answer.status in ("avoided", "unsafe"):

@@ -1,9 +1,13 @@
 """The plant's side of the loop: what it shows (``State``), what it is told (``Command``), what it must do (``Plant``)."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from testbed.core.frames import Vec3
+
+if TYPE_CHECKING:
+    from testbed.flight.air import AirModel
+    from testbed.flight.aircraft import Aircraft
 
 make = tuple.__new__  # what a NamedTuple's own constructor ends in, at a quarter of its cost; for the tuples made 60 times a second
 
@@ -61,6 +65,19 @@ class Start(NamedTuple):
     curvature: Vec3
     speed: float  # true airspeed, m/s
     wind: Vec3  # mean wind there: velocity of the air over the ground, ENU m/s
+
+
+class PlantSetting(NamedTuple):
+    """What a plant is made with, for one flight."""
+
+    aircraft: "Aircraft"
+    start: Start
+    air: "AirModel"
+    plant_hz: int
+    guidance_hz: int
+    terrain_z_m: float  # height of the flat ground, ENU
+    hold_airspeed: bool  # false: the speed over the ground is held
+    ideal: tuple[str, ...]  # limits of a point mass that are off
 
 
 class Plant(Protocol):

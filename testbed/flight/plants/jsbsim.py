@@ -12,7 +12,7 @@ from testbed.core.units import FT
 from testbed.flight.air import AirModel
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.autopilot import Autopilot, Memory
-from testbed.flight.plants.base import Command, Followable, Start, State, make
+from testbed.flight.plants.base import Command, Followable, PlantSetting, Start, State, make
 from testbed.flight.plants.jsbsim_air import WIND, GustFeed, rates_in_air, switch_on
 from testbed.flight.plants.jsbsim_start import begin, load_model, node, spool_up, trim_level
 
@@ -164,3 +164,9 @@ class JsbsimPlant:
         for set_throttle in self._set_throttles:
             set_throttle(throttle)
         return saturated
+
+
+def make_plant(setting: PlantSetting) -> JsbsimPlant:
+    """The aircraft for one flight. Raises ``TrimFailedError``."""
+    rates = (setting.plant_hz, setting.guidance_hz)
+    return JsbsimPlant(setting.aircraft, setting.start, *rates, setting.terrain_z_m, setting.air)

@@ -12,7 +12,7 @@ from typing import Any
 from testbed.core.frames import Vec3
 from testbed.core.units import G0_MPS2
 from testbed.flight.air import AirModel, ground_speed_along
-from testbed.flight.plants.base import Command, Followable, Start, State
+from testbed.flight.plants.base import Command, Followable, PlantSetting, Start, State
 
 NOT_THERE = (math.nan,) * 9  # alpha, beta, rates, controls
 
@@ -93,3 +93,8 @@ def coordinated(velocity: Vec3, acceleration: Vec3) -> tuple[float, float]:
     left = (-vy * ax + vx * ay) / flat
     up = (-vx * vz * ax - vy * vz * ay) / (flat * speed) + az * flat / speed + G0_MPS2 * flat / speed
     return math.atan2(-left, up), math.hypot(left, up) / G0_MPS2
+
+
+def make_plant(setting: PlantSetting) -> KinematicPlant:
+    """The point for one flight; it has no limits, whatever the aircraft."""
+    return KinematicPlant(setting.start, setting.air, setting.plant_hz, setting.hold_airspeed)

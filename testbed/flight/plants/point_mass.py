@@ -34,7 +34,7 @@ from testbed.core.frames import Vec3
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.air import Wind, ground_speed_along
 from testbed.flight.aircraft import Aircraft
-from testbed.flight.plants.base import Command, Followable, Start, State
+from testbed.flight.plants.base import Command, Followable, PlantSetting, Start, State
 from testbed.flight.plants.kinematic import coordinated
 
 NAN = math.nan
@@ -195,3 +195,8 @@ class PointMassPlant:
         ratio = v / self._reference
         square = ratio * ratio
         return self._model.drag_zero * square + self._model.drag_lift * n * n / square
+
+
+def make_plant(setting: PlantSetting) -> PointMassPlant:
+    """The point for one flight."""
+    return PointMassPlant(setting.aircraft, setting.start, setting.air.at, setting.plant_hz, "speed" in setting.ideal)

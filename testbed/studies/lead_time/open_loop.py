@@ -24,9 +24,8 @@ from testbed.campaign.words.air import Air
 from testbed.campaign.words.settings import FlightPlan, MethodSpec
 from testbed.core.units import DEG
 from testbed.flight.aircraft import Aircraft, idealised, load_aircraft
-from testbed.flight.fly import start_of
-from testbed.flight.guidance.look_ahead import BankToTurn
-from testbed.flight.parts import PLANTS
+from testbed.flight.fly import make_plant, start_of
+from testbed.flight.guidance.bank_to_turn import BankToTurn
 from testbed.flight.plants.base import Command, TrimFailedError
 from testbed.flight.record import inside
 from testbed.flight.scene import Scene, make_scene
@@ -102,7 +101,7 @@ def _straight(plan: FlightPlan, scene: Scene) -> Array:
 def _flown(plan: FlightPlan, aircraft: Aircraft, scene: Scene, bank: float, load_factor: float) -> Array:
     """Places (n,3) at the guidance rate of one manoeuvre, begun at once."""
     try:
-        plant = PLANTS[plan.plant.kind](plan, aircraft, start_of(plan, scene), scene)
+        plant = make_plant(plan, aircraft, start_of(plan, scene), scene)
     except TrimFailedError as error:
         raise ValueError(f"no open-loop manoeuvre: {error}") from None
     most = BankToTurn(aircraft.limits).most_load_factor
