@@ -7,7 +7,7 @@ others: ``cap_gap`` measures it. Everything here takes ``boundary="paper"`` or `
 
 import math
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from vosc.vec import FloatArray, Vec, along, array, combine, cross, direction, d
 
 Boundary = Literal["paper", "exact"]
 Objective = Literal["least_deflection", "least_climb_change", "right_of_way", "goal"]
-OBJECTIVES = ("least_deflection", "least_climb_change", "right_of_way", "goal")
+OBJECTIVES: tuple[str, ...] = get_args(Objective)
 
 
 def cap_cone(found: Cap) -> Cone:

@@ -25,7 +25,7 @@ obstacles:
     speed_mps: 40
     direction_deg: [106, 12.4]
     when: {time_s: 3}
-method: {kind: scoam, options: {gain: 1.5, label: x, quick: true}}
+method: {kind: scoam}
 plant: {kind: kinematic}
 air: {wind: {kind: steady, speed_mps: 5, from_deg: 270}}
 sweep:

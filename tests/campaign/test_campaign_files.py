@@ -101,6 +101,6 @@ def test_the_schema_knows_the_paths_of_a_sweep() -> None:
     axes = document["properties"]["sweep"]["properties"]
     assert set(document["properties"]["draw"]["properties"]) == set(axes) == set(document["$defs"]["Settings"]["properties"])
     assert {"method.kind", "begin", "begin.climb_at_most_deg", "air.wind.speed_mps", "rates.plant_hz"} <= set(axes)
-    assert axes["plant.kind"]["anyOf"][0]["items"]["enum"] == ["kinematic", "point_mass", "jsbsim"]
+    assert axes["plant.kind"]["anyOf"][0]["items"]["anyOf"][0]["enum"] == ["kinematic", "point_mass", "jsbsim"]
     assert [kind["const"] for kind in axes["air.wind.kind"]["anyOf"][0]["items"]["anyOf"]] == ["calm", "steady", "power_law", "logarithmic"]
     assert not {"seed", "replicates", "name", "sweep"} & set(axes)

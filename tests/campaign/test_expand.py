@@ -139,13 +139,20 @@ def test_ids_do_not_depend_on_names_notation_or_more_replicates() -> None:
     )
     assert few[0].flight_id == many[0].flight_id
     assert few[0].campaign != many[0].campaign
-    there, back = (expand(campaign(method={"options": dict(pairs)}))[0] for pairs in ([("a", 1), ("b", 2)], [("b", 2), ("a", 1)]))
+    there, back = (
+        expand(campaign(method={"kind": "planes", "options": dict(pairs)}))[0]
+        for pairs in ([("n", 6), ("offset_rad", 2)], [("offset_rad", 2), ("n", 6)])
+    )
     assert there.flight_id == back.flight_id
 
 
 def test_a_plan_keeps_its_id_through_json() -> None:
     for plan in expand(
-        campaign({"plant.kind": ["kinematic", "jsbsim"]}, obstacles=[SPHERE], method={"options": {"a": 1, "b": True, "c": "x"}})
+        campaign(
+            {"plant.kind": ["kinematic", "jsbsim"]},
+            obstacles=[SPHERE],
+            method={"kind": "scoam", "options": {"corners_only": True, "consider": "all"}},
+        )
     ):
         again = FlightPlan.model_validate_json(plan.model_dump_json())
         assert again == plan

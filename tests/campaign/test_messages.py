@@ -62,7 +62,7 @@ ONE_FAULT = [
     (
         "plant: {kind: kinematic}",
         "plant: {kind: kinmatic}",
-        "19:15: plant.kind: must be one of 'kinematic', 'point_mass', 'jsbsim', not 'kinmatic'",
+        "19:15: plant.kind: no plant 'kinmatic'; there are: kinematic, point_mass, jsbsim",
         "did you mean 'kinematic'?",
     ),
     (
@@ -74,8 +74,6 @@ ONE_FAULT = [
     ("speed_mps: 5,", "speed_mps: 55,", "20:39: air.wind.speed_mps: must be at most 40 m/s, not 55 m/s", ""),
     ("speed_mps: 5,", "speed: 5,", "20:28: air.wind.speed: unknown key 'speed'", "did you mean 'speed_mps'?"),
     ("air:", "rates: {guidance_hz: 50}\nair:", "20:1: rates: guidance_hz must divide plant_hz = 120", ""),
-    ("gain: 1.5", "gain: [1]", "18:39: method.options.gain: must be true, false, a finite number or a text", ""),
-    ("gain: 1.5", "gain: .nan", "18:39: method.options.gain: must be true, false, a finite number or a text", ""),
     ("plant:", "name: again\nplant:", "19:1: the key 'name' is there twice (first in line 1)", ""),
     ("name: demo", "? [a]\n: 1\nname: demo", "1:3: a key must be plain text", ""),
     # the sweep

@@ -25,7 +25,7 @@ Write = Callable[[str], str]
         ("begin={at_route_s_m: 9}", lambda c: c.begin.at_route_s_m, 9.0),
         ("air.wind={kind: calm}", lambda c: c.air.wind.kind, "calm"),
         ("air.wind.speed_mps=7", lambda c: (c.air.wind.speed_mps, c.air.wind.from_deg), (7.0, 270.0)),
-        ("method.options.gain=2", lambda c: (c.method.options["gain"], c.method.options["label"]), (2.0, "x")),
+        ("replan={k: 3}", lambda c: c.replan.k, 3.0),
         ("replan.k=2", lambda c: c.replan.k, 2.0),  # a section that the file does not have
         ("seed=8", lambda c: c.seed, 8),
         ("name=other", lambda c: c.name, "other"),
@@ -52,10 +52,10 @@ def test_an_override_can_repair_a_file(write: Write, good: str) -> None:
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("plant.kind=foo", "--set plant.kind=foo: must be one of 'kinematic', 'point_mass', 'jsbsim', not 'foo'"),
+        ("plant.kind=foo", "--set plant.kind=foo: no plant 'foo'; there are: kinematic, point_mass, jsbsim"),
         (
             "plant.kind=kinematik",
-            "--set plant.kind=kinematik: must be one of 'kinematic', 'point_mass', 'jsbsim', not 'kinematik' (did you mean 'kinematic'?)",
+            "--set plant.kind=kinematik: no plant 'kinematik'; there are: kinematic, point_mass, jsbsim (did you mean 'kinematic'?)",
         ),
         ("plnat.kind=jsbsim", "--set plnat.kind=jsbsim: unknown setting 'plnat.kind' (did you mean 'plant.kind'?)"),
         ("seed=-1", "--set seed=-1: must be at least 0, not -1"),

@@ -7,6 +7,7 @@ azimuth.
 """
 
 from collections.abc import Sequence
+from typing import Literal
 
 from vosc.cone import exact_cones
 from vosc.encounter import Obstacle, Own
@@ -21,7 +22,7 @@ def _best(own: Own, obstacles: Sequence[Obstacle], circle: Circle, senses: tuple
     return undefined(own) if found is None else Choice(found, "avoided")
 
 
-def droam_hp(own: Own, obstacles: Sequence[Obstacle], side: str = "least") -> Choice:
+def droam_hp(own: Own, obstacles: Sequence[Obstacle], side: Literal["least", "left", "right"] = "least") -> Choice:
     """The least azimuth change at constant climb angle that leaves every cone, to ``side`` = ``left``, ``right`` or ``least``
     (right if equal).
 
@@ -33,7 +34,7 @@ def droam_hp(own: Own, obstacles: Sequence[Obstacle], side: str = "least") -> Ch
     return _best(own, obstacles, level_circle(own.vel_mps), senses[side])
 
 
-def droam_vp(own: Own, obstacles: Sequence[Obstacle], side: str = "least") -> Choice:
+def droam_vp(own: Own, obstacles: Sequence[Obstacle], side: Literal["least", "up", "down"] = "least") -> Choice:
     """The least change of climb angle in the vertical plane of v_u that leaves every cone, to ``side`` = ``up``, ``down`` or
     ``least`` (up if equal).
 

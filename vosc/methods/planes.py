@@ -17,6 +17,8 @@ from vosc.methods.choice import Choice, none_free, undefined
 from vosc.turns import great_circle, least_turn
 from vosc.vec import Vec, combine, cross, perpendicular, right_of, unit
 
+MOST_PLANES = 10_000
+
 
 def _least_of(own: Own, cones: Sequence[Cone], normals: Sequence[Vec]) -> Choice:
     found = least_turn(cones, [great_circle(own.vel_mps, normal) for normal in normals], (-1, 1))
@@ -31,13 +33,17 @@ def _normals(velocity: Vec, roll_rad: Sequence[float]) -> list[Vec]:
     return [combine(math.cos(a), up, math.sin(a), right) for a in roll_rad]
 
 
+def _need_planes(n: int) -> None:
+    if not 1 <= n <= MOST_PLANES:
+        raise ValueError(f"n: give 1 to {MOST_PLANES} planes, got {n}")
+
+
 def planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, offset_rad: float = 0.0) -> Choice:
     """The least turn in any of ``n`` planes through v_u, at equal roll angles pi / n apart from ``offset_rad``.
 
-    ``undefined`` when no direction in these planes is free. ``ValueError`` for fewer than one plane.
+    ``undefined`` when no direction in these planes is free. ``ValueError`` for fewer than one plane, or more than 10,000.
     """
-    if n < 1:
-        raise ValueError(f"n: give at least one plane, got {n}")
+    _need_planes(n)
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
     return _least_of(own, exact_cones(own, obstacles), _normals(own.vel_mps, [offset_rad + math.pi * k / n for k in range(n)]))
@@ -46,11 +52,12 @@ def planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, offset_rad: flo
 def random_planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, seed: int = 0) -> Choice:
     """The least turn in any of ``n`` planes through v_u at random roll angles; the same ``seed``, the same planes.
 
-    ``undefined`` when no direction in these planes is free. ``ValueError`` for fewer than one plane.
+    ``undefined`` when no direction in these planes is free. ``ValueError`` for fewer than one plane, or more than 10,000.
     """
-    if n < 1:
-        raise ValueError(f"n: give at least one plane, got {n}")
+    _need_planes(n)
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
+    if seed < 0:
+        raise ValueError(f"seed: give a whole number from 0 on, got {seed}")
     rolls = np.random.default_rng(seed).uniform(0.0, math.pi, n)
     return _least_of(own, exact_cones(own, obstacles), _normals(own.vel_mps, rolls.tolist()))

@@ -14,7 +14,7 @@ from vosc.vec import Vec, along, norm, scale, sub, three, unit
 
 
 def potential_field(
-    own: Own, obstacles: Sequence[Obstacle], gain: float = 1.0, reach: float = 4.0, goal: Sequence[float] | None = None
+    own: Own, obstacles: Sequence[Obstacle], gain: float = 1.0, reach: float = 4.0, goal: tuple[float, float, float] | None = None
 ) -> Choice:
     """The present speed along  g + gain sum (rho0/rho - 1) (rho0/rho)^2 n  over obstacles nearer than rho0.
 

@@ -1,9 +1,10 @@
 """SCOAM, the paper's own method: rotate the relative velocity out of the cone (3.2.1, 4.1); several obstacles by their caps (4.2)."""
 
 from collections.abc import Sequence
+from typing import Literal
 
 from vosc.cone import is_free
-from vosc.direction import OBJECTIVES, Boundary, best_free, boundaries, corner_points
+from vosc.direction import OBJECTIVES, Boundary, Objective, best_free, boundaries, corner_points
 from vosc.encounter import Obstacle, Own, cone_margin
 from vosc.methods.choice import Choice, undefined
 from vosc.spherical_cap import cap, critical_velocity, generatrices
@@ -14,10 +15,10 @@ def scoam(
     own: Own,
     obstacles: Sequence[Obstacle],
     boundary: Boundary = "paper",
-    objective: str | None = None,
-    goal: Sequence[float] | None = None,
+    objective: Objective | None = None,
+    goal: tuple[float, float, float] | None = None,
     corners_only: bool = False,
-    consider: str = "threats",
+    consider: Literal["threats", "all"] = "threats",
 ) -> Choice:
     """The paper's avoidance direction.
 

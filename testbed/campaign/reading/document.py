@@ -13,6 +13,10 @@ from testbed.campaign.reading.wording import worded
 from testbed.campaign.words.settings import Campaign
 
 
+UNKNOWN = ("extra_forbidden", "unknown_option")
+"""Faults of a key rather than of what it leads to."""
+
+
 @dataclass(frozen=True)
 class Fault:
     """One thing that is wrong with the data, wherever the data came from."""
@@ -181,7 +185,7 @@ def faults_of(error: ValidationError) -> list[Fault]:
     misspelt: set[Loc] = set()
     for item in error.errors(include_url=False):
         loc, message, hint = worded(item)
-        found[Fault(loc, message, hint, at_key=item["type"] == "extra_forbidden")] = None
+        found[Fault(loc, message, hint, at_key=item["type"] in UNKNOWN)] = None
         if item["type"] == "extra_forbidden" and hint.startswith("did you mean"):
             misspelt.add((*loc[:-1], hint.split("'")[1]))
     return [fault for fault in found if not (fault.loc in misspelt and fault.message == "this key is missing")]
