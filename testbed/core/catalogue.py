@@ -36,5 +36,6 @@ def add_aircraft_path(root: Path) -> None:
     """Look for aircraft in ``root`` too, in this process and in those it starts. Raises ``FileNotFoundError`` when none is there."""
     if not any(root.glob("*/aircraft.yaml")):
         raise FileNotFoundError(f"{root}: no folder with an aircraft.yaml in it")
-    before = os.environ.get(PATH_VARIABLE, "")
-    os.environ[PATH_VARIABLE] = os.pathsep.join(filter(None, [before, str(root.resolve())]))
+    before = [part for part in os.environ.get(PATH_VARIABLE, "").split(os.pathsep) if part]
+    if (path := str(root.resolve())) not in before:
+        os.environ[PATH_VARIABLE] = os.pathsep.join([*before, path])

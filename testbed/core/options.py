@@ -75,7 +75,10 @@ def _told(what: str, error: ErrorDetails, known: list[str]) -> InitErrorDetails:
 
 @lru_cache(maxsize=256)
 def _from_signature(part: Any, given: int) -> type[BaseModel]:
-    parameters = list(inspect.signature(part).parameters.values())
+    try:
+        parameters = list(inspect.signature(part).parameters.values())
+    except (TypeError, ValueError):  # the latter for some that are not written in Python
+        raise OptionsError("it is nothing that can be called, with parameters that can be read") from None
     leading = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
     if len(leading) < given and not any(p.kind is p.VAR_POSITIONAL for p in parameters):
         raise OptionsError(f"takes {len(leading)} parameters, and is given {given}")

@@ -77,14 +77,15 @@ class RunDirectory:
 
     def clear(self) -> None:
         """Remove a former run, and nothing else."""
-        for kept in (*self.recordings.glob("*.rrd*"), *self.columns.glob("*.parquet*")):
+        for kept in (*self.recordings.glob("*.rrd*"), *self.columns.glob("*.parquet*"), *(self / "plugins").glob("*.py")):
             kept.unlink()
         for name in (*OURS, MANIFEST):
             (self / name).unlink(missing_ok=True)
 
     def put(self, name: str, data: bytes) -> None:
         """Write a file so that a reader, or the next run, sees the old one or the new one and nothing between."""
-        target, draft = self / name, self / f".{name}.new"
+        target = self / name
+        draft = target.with_name(f".{target.name}.new")
         try:
             with draft.open("wb") as file:
                 file.write(data)

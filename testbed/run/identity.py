@@ -12,7 +12,7 @@ from typing import Any
 
 import testbed
 import vosc
-from testbed.core.catalogue import AIRCRAFT_ROOT, aircraft_folders, aircraft_roots
+from testbed.core.catalogue import AIRCRAFT_ROOT, aircraft_folders
 
 DISTRIBUTION = "vosc-testbed"
 
@@ -25,9 +25,9 @@ def versions() -> dict[str, str]:
 
 
 def code_hash() -> str:
-    """Of every file of the packages and of the aircraft, committed or not: a changed tree is another code."""
+    """Of every file of the packages and of their aircraft, committed or not: a changed tree is another code."""
     digest = hashlib.sha256()
-    for folder in (Path(testbed.__file__).parent, Path(vosc.__file__).parent, *aircraft_roots()):
+    for folder in (Path(testbed.__file__).parent, Path(vosc.__file__).parent, AIRCRAFT_ROOT):
         for file in _sources(folder):
             content = file.read_bytes()
             digest.update(f"{folder.name}/{file.relative_to(folder).as_posix()} {len(content)}\n".encode() + content)
@@ -67,6 +67,12 @@ def aircraft_hashes(names: Iterable[str]) -> dict[str, dict[str, str]]:
     }
 
 
+def guests(names: Iterable[str]) -> dict[str, str]:
+    """One hash for each aircraft flown that is not the project's own."""
+    theirs = [name for name in names if aircraft_folders()[name].parent != AIRCRAFT_ROOT]
+    return {name: hashlib.sha256(canonical(files)).hexdigest()[:16] for name, files in aircraft_hashes(theirs).items()}
+
+
 def machine() -> dict[str, str]:
     """What kind of machine this is, not which one."""
     return {"system": platform.system(), "machine": platform.machine(), "libc": "-".join(platform.libc_ver())}
@@ -100,7 +106,7 @@ def differences(there: Any, now: Any) -> list[str]:
     return [
         f"{key}: {_shown(old, key)} there, {_shown(new, key)} now"
         for key in dict.fromkeys([*old, *new])
-        if old.get(key, absent) != new.get(key, absent)
+        if key and old.get(key, absent) != new.get(key, absent)
     ]
 
 

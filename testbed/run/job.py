@@ -11,6 +11,7 @@ from typing import Any
 from testbed.campaign.words.check import Check
 from testbed.campaign.words.settings import FlightPlan
 from testbed.flight.record import FlightMetrics, FlightRecord, Outcome
+from testbed.run.world import NOTHING_MORE, World
 
 Row = dict[str, Any]
 
@@ -24,6 +25,7 @@ class Job:
     want_series: bool = False
     check: Check | None = None
     columns_path: Path | None = None
+    world: World = NOTHING_MORE
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class JobResult:
 def run_job(job: Job) -> JobResult:
     """Fly, measure and record one plan; a failure of the program is a row with outcome ``crashed``."""
     try:
+        job.world.enter()
         return _run(job)
     except Exception as bug:
         return crashed(job, f"{type(bug).__name__}: {bug}", traceback.format_exc())

@@ -8,12 +8,13 @@ from testbed.campaign.words.grid import PART
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.run.directory import RunDirectory
 from testbed.run.job import Job
+from testbed.run.world import World
 
 SERIES = 64
 """Flights whose time series are kept for the page: first replicates in plan order, one of each part in turn."""
 
 
-def jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan]) -> list[Job]:
+def jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan], world: World) -> list[Job]:
     """One job a plan, in plan order."""
     parts = resolved_parts(campaign)
     drawn = _drawn(campaign, plans)
@@ -30,6 +31,7 @@ def jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan
                 plan.flight_id in with_series,
                 campaign.check,
                 columns / f"{plan.flight_id}.parquet" if _is_kept(plan, part.columns) else None,
+                world,
             )
         )
     return made

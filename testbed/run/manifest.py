@@ -6,6 +6,12 @@ from typing import Any
 from testbed.campaign.words.settings import Campaign
 from testbed.run import identity
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
+from testbed.run.world import World
+
+IDENTITY = ("plan", "code", "versions", "plugins", "aircraft")
+
+GUESTS = {"plugins": "plug-in", "aircraft": "aircraft"}
+"""What a campaign brings with it, to the word for it in messages."""
 
 Manifest = dict[str, Any]
 Fingerprint = dict[str, Any]
@@ -18,12 +24,18 @@ MIXED = "changed while flying"
 """In the place of the code's hash: workers that started later may have read other code. Such a run cannot be continued."""
 
 
-def fingerprint(plan: Any) -> Fingerprint:
+def fingerprint(plan: Any, world: World) -> Fingerprint:
     """What must be the same for a run to be continued."""
-    return {"plan": identity.plan_hash(plan), "code": identity.code_hash(), "versions": identity.versions()}
+    return {
+        "plan": identity.plan_hash(plan),
+        "code": identity.code_hash(),
+        "versions": identity.versions(),
+        "plugins": {plugin.name: plugin.sha256 for plugin in world.plugins},
+        "aircraft": identity.guests(flight["aircraft"] for flight in plan["flights"]),
+    }
 
 
-def new(campaign: Campaign, source: str, overrides: tuple[str, ...], plan: dict[str, Any]) -> Manifest:
+def new(campaign: Campaign, source: str, overrides: tuple[str, ...], plan: dict[str, Any], world: World) -> Manifest:
     """The manifest of a run that begins."""
     return {
         "campaign": campaign.name,
@@ -31,7 +43,8 @@ def new(campaign: Campaign, source: str, overrides: tuple[str, ...], plan: dict[
         "overrides": list(overrides),
         "seed": campaign.seed,
         "flights": len(plan["flights"]),
-        "identity": fingerprint(plan),
+        "identity": fingerprint(plan, world),
+        "aircraft_path": list(world.aircraft_path),
         **identity.revision(),
         "platform": identity.machine(),
         "aircraft": identity.aircraft_hashes(flight["aircraft"] for flight in plan["flights"]),
@@ -43,7 +56,8 @@ def load(directory: RunDirectory) -> Manifest:
     """The manifest of a run that is there."""
     manifest = directory.load(MANIFEST)
     try:
-        _ = [manifest[key] for key in (*SHOWN, "history")] + [manifest["identity"][key] for key in ("plan", "code", "versions")]
+        _ = [manifest[key] for key in (*SHOWN, "history")] + [manifest["identity"][key] for key in IDENTITY]
+        _ = manifest["aircraft_path"]
     except (TypeError, KeyError):
         raise BadInputError(f"{directory / MANIFEST}: damaged; start again with --fresh, or into another directory with --out") from None
     return manifest
@@ -54,26 +68,37 @@ def save(directory: RunDirectory, manifest: Manifest) -> None:
     directory.put(MANIFEST, json.dumps(manifest, indent=2).encode() + b"\n")
 
 
-def refuse_another(directory: RunDirectory, manifest: Manifest, plan: dict[str, Any]) -> None:
+def refuse_another(directory: RunDirectory, manifest: Manifest, plan: dict[str, Any], world: World) -> None:
     """Raise unless the run in the directory is of the same plan, code and versions; say what differs."""
-    there, now = manifest["identity"], fingerprint(plan)
+    there, now = manifest["identity"], fingerprint(plan, world)
     if there == now:
         return
     why = []
+    guests = [line for key, word in GUESTS.items() for line in _changed(word, there[key], now[key])]
     if there["plan"] != now["plan"]:
         old = directory.load("plan.json") if (directory / "plan.json").exists() else None
-        details = identity.differences(old.get("campaign") if isinstance(old, dict) else None, plan["campaign"]) or [
-            "the same campaign expands to other flights"
-        ]
+        details = identity.differences(old.get("campaign") if isinstance(old, dict) else None, plan["campaign"])
+        if not details and not guests:  # a plug-in that changed makes other flights of the same campaign
+            details = ["the same campaign expands to other flights"]
         why += [f"campaign: {line}" for line in details[:10]]
     if there["code"] != now["code"]:
         why.append(f"code: {there['code']} there, {now['code']} now (the sources of testbed or vosc, or aircraft, changed)")
+    why += guests
     why += [f"version: {line}" for line in identity.differences(there["versions"], now["versions"])]
     raise BadInputError(
         f"{directory.path}: holds another run, which cannot be continued:\n"
         + "".join(f"  {line}\n" for line in why)
         + "start again with --fresh (removes that run), or write elsewhere with --out"
     )
+
+
+def _changed(word: str, there: dict[str, str], now: dict[str, str]) -> list[str]:
+    """What of one kind the campaign brings otherwise than the run did, by the beginnings of hashes."""
+    return [
+        f"{word} {name}: {there.get(name, 'nothing')[:12]} there, {now.get(name, 'nothing')[:12]} now (its files changed)"
+        for name in dict.fromkeys([*there, *now])
+        if there.get(name) != now.get(name)
+    ]
 
 
 def provenance(manifest: Manifest, planned: int, flown: int) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from testbed.run import identity, journal, manifest
 from testbed.run.directory import BadInputError
 from testbed.run.engines import Died, LocalEngine
 from testbed.run.job import Job, JobResult, Row, crashed, run_job
-from testbed.run.stored import existing, plan_of, rows_of
+from testbed.run.stored import existing, plan_of, rows_of, world_of_run
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,9 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
         raise BadInputError(f"{path}: '{plan.flight_id}' is a search of many flights, and cannot be replayed as one")
     recording = (out or directory.recordings / f"{plan.flight_id}.rrd").resolve()
     stored = rows_of(directory).get(plan.flight_id)
-    ((_, again),) = LocalEngine(1).imap(job, [Job(plan, recording)])  # in a worker, as it was flown the first time
+    ((_, again),) = LocalEngine(1).imap(
+        job, [Job(plan, recording, world=world_of_run(directory))]
+    )  # in a worker, as it was flown the first time
     if isinstance(again, Died):
         again = crashed(Job(plan), again.reason, again.details)
     row = journal.decode(journal.encode(again)).row

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Any
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.flight.record import Outcome
 from testbed.run import identity, journal, keep, manifest
+from testbed.run import world as world_files
 from testbed.run.directory import BadInputError, RunDirectory
 from testbed.run.engines import Died, Engine
 from testbed.run.job import Job, JobResult, crashed, run_job
 from testbed.run.manifest import Manifest
 from testbed.run.stored import existing, plan_of, rows_of
+from testbed.run.world import World, world_of
 from testbed.run.write import write_results
 
 if TYPE_CHECKING:
@@ -71,27 +73,29 @@ def run(order: Order) -> Summary:
     if len({plan.lead_time is None for plan in plans}) > 1:
         raise BadInputError(f"{order.source}: either all of a campaign's flights are searches (lead_time) or none is")
     plan = {"campaign": campaign.model_dump(mode="json"), "flights": [flight.model_dump(mode="json") for flight in plans]}
+    world = world_of(campaign, plans)
     text = order.source.read_bytes()  # before --fresh removes anything: the campaign may be the run's own copy
     directory = RunDirectory(order.out or RUNS / campaign.name)
     directory.claim()
     with directory.locked():
         if order.fresh:
             directory.clear()
-        about = _open(directory, order, campaign, plan)
+        about = _open(directory, order, campaign, plan, world)
         # also when continuing: a run killed in its first moment has the manifest and not yet these
         directory.put("campaign.yaml", _note_overrides(order) + text)
         directory.put("plan.json", identity.canonical(plan))
-        flown = _fly(directory, order, campaign, plans, about)
+        world_files.keep(directory, world)
+        flown = _fly(directory, order, campaign, plans, about, world)
         return _written(directory, flown)
 
 
-def _open(directory: RunDirectory, order: Order, campaign: Campaign, plan: dict[str, Any]) -> Manifest:
+def _open(directory: RunDirectory, order: Order, campaign: Campaign, plan: dict[str, Any], world: World) -> Manifest:
     """Begin a run, or make sure that the one in the directory is the same."""
     if directory.is_run:
         there = manifest.load(directory)
-        manifest.refuse_another(directory, there, plan)
+        manifest.refuse_another(directory, there, plan, world)
         return there
-    begun = manifest.new(campaign, order.source.name, order.overrides, plan)
+    begun = manifest.new(campaign, order.source.name, order.overrides, plan, world)
     manifest.save(directory, begun)
     return begun
 
@@ -100,10 +104,10 @@ def _note_overrides(order: Order) -> bytes:
     return "".join(f"# run with --set {shlex.quote(override)}\n" for override in order.overrides).encode()
 
 
-def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Sequence[FlightPlan], about: Manifest) -> int:
+def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Sequence[FlightPlan], about: Manifest, world: World) -> int:
     """Fly the plans that have no row yet, and again those that crashed: memory or disk may have been short."""
     done = {flight_id for flight_id, result in rows_of(directory).items() if result.row["outcome"] != Outcome.CRASHED.value}
-    jobs = [job for job in keep.jobs(directory, campaign, plans) if job.plan.flight_id not in done]
+    jobs = [job for job in keep.jobs(directory, campaign, plans, world) if job.plan.flight_id not in done]
     if not jobs:
         return 0
     how = {"command": shlex.join(order.command), "engine": order.engine.name, "workers": order.engine.workers}

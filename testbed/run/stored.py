@@ -3,9 +3,10 @@
 from pathlib import Path
 
 from testbed.campaign.words.settings import Campaign, FlightPlan
-from testbed.run import journal
+from testbed.run import journal, manifest, world
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
 from testbed.run.job import JobResult
+from testbed.run.world import World
 
 
 def existing(path: Path) -> RunDirectory:
@@ -21,10 +22,17 @@ def existing(path: Path) -> RunDirectory:
 def plan_of(directory: RunDirectory) -> tuple[Campaign, list[FlightPlan]]:
     """What was to be flown."""
     plan = directory.load("plan.json")
+    world.reenter(directory, world_of_run(directory))
     try:
         return Campaign.model_validate(plan["campaign"]), [FlightPlan.model_validate(flight) for flight in plan["flights"]]
     except (ValueError, TypeError, KeyError) as problem:
         raise BadInputError(f"{directory / 'plan.json'}: not a plan of this version of testbed ({problem})") from None
+
+
+def world_of_run(directory: RunDirectory) -> World:
+    """The plug-ins that the run keeps, and where its aircraft were. Raises ``BadInputError``."""
+    about = manifest.load(directory)
+    return world.kept(directory, about["identity"]["plugins"], about["aircraft_path"])
 
 
 def rows_of(directory: RunDirectory) -> dict[str, JobResult]:

@@ -11,7 +11,7 @@ import pytest
 from testbed import fly
 from testbed.core.catalogue import AIRCRAFT_ROOT, PATH_VARIABLE, add_aircraft_path, aircraft_folders
 from testbed.flight.aircraft import load_aircraft
-from testbed.run.identity import code_hash
+from testbed.run.identity import code_hash, guests
 from tests.plans import plan
 
 
@@ -39,7 +39,11 @@ def test_an_aircraft_from_elsewhere_flies_like_its_twin(hangar: Path) -> None:
     case = {"begin": {"climb_at_most_deg": 18}}
     mine, twin = (fly(plan(aircraft=name, **case)).columns["own.pos_enu_m"] for name in ("mine", "gtm_t2"))
     assert (mine == twin).all()
-    assert code_hash() != before, "a run is of the aircraft it flew"
+    assert code_hash() == before
+    (mine,) = guests(["mine", "gtm_t2"]).items()
+    assert mine[0] == "mine"
+    (hangar / "mine" / "aircraft.yaml").write_text((hangar / "mine" / "aircraft.yaml").read_text() + "# another\n")
+    assert guests(["mine"])["mine"] != mine[1], "a run is of the aircraft it flew"
 
 
 def test_the_command_takes_the_path(hangar: Path) -> None:

@@ -11,7 +11,6 @@ def aircraft(tmp_path, monkeypatch):
     folder = tmp_path / "aircraft"
     (folder / "glider").mkdir(parents=True)
     (folder / "glider" / "aircraft.yaml").write_text("span_m: 15\n")
-    monkeypatch.setattr(identity, "aircraft_roots", lambda: [folder])
     monkeypatch.setattr(identity, "AIRCRAFT_ROOT", folder)
     return folder
 

@@ -12,7 +12,6 @@ from testbed.campaign.reading.vocabulary import Loc
 from testbed.campaign.reading.wording import worded
 from testbed.campaign.words.settings import Campaign
 
-
 UNKNOWN = ("extra_forbidden", "unknown_option")
 """Faults of a key rather than of what it leads to."""
 

@@ -58,6 +58,8 @@ class Pluggable(Section):
             cls._try(part, found)
         except ValueError as error:
             raise typed.blamed(str(error), found) from None
+        except Exception as bug:
+            raise ValueError(f"the {what} fails when it is tried: {type(bug).__name__}: {bug}") from bug
         return found
 
     @classmethod
