@@ -240,6 +240,26 @@ def list_parts(what: Annotated[Literal["aircraft", "methods", "guidance", "plant
 
 
 @app.command()
+def check(
+    family: Annotated[Literal["method", "guidance", "planner"], typer.Argument(metavar="FAMILY", help="method, guidance or planner.")],
+    kind: Annotated[str, typer.Argument(help="A name, or FILE:NAME in a file of your own: tangent:avoid is avoid in ./tangent.py.")],
+    option: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="An option of the part, YAML value.")] = None,
+) -> None:
+    """Try what a part promises, and say in words what it breaks; exit 1 when it breaks anything."""
+    with _bad_input():
+        from testbed.contracts.check import CheckError, given_options
+        from testbed.contracts.check import check as tried
+
+        try:
+            kept, lines = tried(family, kind, given_options(option or ()))
+        except CheckError as problem:
+            _fail(str(problem))
+    for line in lines:
+        _say(line)
+    raise typer.Exit(0 if kept else CRASHED)
+
+
+@app.command()
 def bench() -> None:
     """Time a flight against the bare stepping of its plant, side by side."""
     from testbed.run.bench import bench as measure
