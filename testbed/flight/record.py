@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from enum import Enum
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -11,11 +11,12 @@ from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
 from vosc import ph
+from vosc.methods import Status
 
 Array = np.ndarray
 
 
-class Outcome(Enum):
+class Outcome(StrEnum):
     """How a flight ended, in order of precedence: the first that applies is reported."""
 
     CRASHED = "crashed"  # the program failed (a bug); the traceback is stored with the plan
@@ -27,6 +28,26 @@ class Outcome(Enum):
     TIMED_OUT = "timed_out"  # three times the planned time
     REACHED = "reached"  # crossed the goal's plane within 20 m
     STOPPED = "stopped"  # whoever had it flown had seen enough
+
+
+class Decision(StrEnum):
+    """What the planner did about a threat: a new path, or why the path did not change."""
+
+    REPLANNED = "replanned"  # the path avoids
+    REJOINED = "rejoined"  # the path leads back
+    NONE = "none"  # the flight has no method
+    CLEAR = "clear"  # the method finds no cone to leave: the path is kept
+    NO_INSERTION_POINT = "no_insertion_point"
+    NO_PATH = "no_path"
+    NO_FREE_DIRECTION = "no_free_direction"  # as the method says, and so are the next two
+    INSIDE = "inside"
+    UNDEFINED = "undefined"
+
+
+NEW_PATH = frozenset({Decision.REPLANNED, Decision.REJOINED})
+"""Decisions after which the flight follows another path."""
+ANSWERED = NEW_PATH | {Decision.NONE, Decision.CLEAR}
+"""Decisions after which the flight is not one without a path."""
 
 
 TOUCH_M = 1e-6
@@ -56,17 +77,13 @@ class PlannedPath:
 
 @dataclass(frozen=True)
 class ReplanEvent:
-    """One decision of the planner, with its inputs and its result. Vectors are ENU; unknown quantities are NaN.
-
-    ``decision`` is ``replanned`` (the path avoids), ``rejoined`` (the path leads back), or why the path did not change:
-    ``none``, ``no_insertion_point``, ``no_free_direction``, ``inside``, ``undefined``, ``no_path``.
-    """
+    """One decision of the planner, with its inputs and its result. Vectors are ENU; unknown quantities are NaN."""
 
     time_s: float
     obstacle: str
-    decision: str
+    decision: Decision
     method: str
-    status: str  # of the method, see vosc.methods
+    status: Status  # of the method
     own_pos_enu_m: Vec3
     own_vel_enu_mps: Vec3
     obstacle_pos_enu_m: Vec3

@@ -4,7 +4,7 @@ import numpy as np
 import rerun as rr
 
 from testbed.core.units import DEG
-from testbed.flight.record import FlightRecord, inside
+from testbed.flight.record import NEW_PATH, FlightRecord, Outcome, inside
 from testbed.show import palette
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
@@ -87,17 +87,15 @@ def _log_states(
 
 def _log_events(stream: rr.RecordingStream, record: FlightRecord) -> None:
     time_s = record.columns["time_s"]
-    outcome = record.outcome.value
+    outcome = record.outcome
     ending = record.message or OUTCOME_TEXT.get(outcome, outcome)
     lines = [(float(time_s[0]), "INFO", f"start: {record.plan.plant.kind}, method {record.plan.method.kind}")]
-    lines += [
-        (event.time_s, "INFO" if event.decision in ("replanned", "rejoined") else "WARN", event_sentence(event)) for event in record.events
-    ]
+    lines += [(event.time_s, "INFO" if event.decision in NEW_PATH else "WARN", event_sentence(event)) for event in record.events]
     for spec in record.plan.obstacles:
         hit = inside(record.columns[f"obstacle.{spec.name}.clearance_m"])
         if hit.any():
             lines.append((float(time_s[int(np.argmax(hit))]), "ERROR", f"collision with {spec.name}"))
-    lines.append((float(time_s[-1]), "INFO" if outcome == "reached" else "ERROR", f"end: {ending}"))
+    lines.append((float(time_s[-1]), "INFO" if outcome == Outcome.REACHED else "ERROR", f"end: {ending}"))
     lines.sort(key=lambda line: line[0])
     texts, levels = [line[2] for line in lines], [line[1] for line in lines]
     stream.send_columns("events", [timeline.index(np.array([line[0] for line in lines]))], [*rr.TextLog.columns(text=texts, level=levels)])
