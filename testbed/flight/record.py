@@ -1,4 +1,4 @@
-"""What comes out of a flight: outcome, record, re-plans, metrics. Frozen values; arrays are never written to again."""
+"""What comes out of a flight: outcome, record, re-plans. Frozen values; arrays are never written to again."""
 
 import math
 from dataclasses import dataclass
@@ -57,6 +57,20 @@ TOUCH_M = 1e-6
 def inside(clearance_m: Any) -> Any:
     """Does a clearance (a float or an array) mean a collision? NaN does not."""
     return clearance_m < -TOUCH_M
+
+
+LOST = frozenset({Outcome.DIVERGED, Outcome.HIT_GROUND})
+"""Outcomes of a flight that did not go on, whatever it was clear of."""
+
+
+def kept_clear(least_clearance_m: float) -> bool | None:
+    """Was every radius kept? None where nothing was flown, or there was none to keep."""
+    return None if math.isnan(least_clearance_m) else not inside(least_clearance_m)
+
+
+def kept_and_flew_on(outcome: str, least_clearance_m: float) -> bool:
+    """Did the flight keep every radius to its end? One that hit the ground or left its model's envelope did not."""
+    return outcome not in LOST and kept_clear(least_clearance_m) is True
 
 
 @dataclass(frozen=True)
@@ -136,49 +150,3 @@ class FlightRecord:
     message: str = ""  # one sentence about an outcome that is not REACHED
     longest_s: float = math.inf  # how long the flight was allowed to take
     timings: tuple[tuple[str, float], ...] = ()  # wall-clock seconds per stage; not part of the result
-
-
-@dataclass(frozen=True)
-class FlightMetrics:
-    """One row of results.csv, apart from who the flight is. NaN where a quantity does not exist for this flight."""
-
-    outcome: str
-    least_clearance_m: float
-    time_at_least_clearance_s: float
-    nearest_obstacle: str
-    replans: int
-    trigger_time_s: float
-    deflection_deg: float
-    path_length_m: float
-    flight_time_s: float
-    cross_track_rms_m: float
-    cross_track_max_m: float
-    schedule_error_s: float
-    max_bank_deg: float
-    max_load_factor: float
-    min_load_factor: float
-    max_roll_rate_dps: float
-    min_airspeed_mps: float
-    max_airspeed_mps: float
-    max_alpha_deg: float
-    planned_length_m: float
-    planned_min_radius_m: float
-    planned_clearance_m: float  # of a point that keeps to the planned paths and their schedule
-    schedule_part_m: float  # what being early or late on the path added to it; with the next one the sum is least_clearance_m
-    cross_track_part_m: float  # what being off the path added
-    saturated_share: float
-    limits_hit: str  # bank load_factor roll_rate surface thrust, those that were reached
-    airspeed_rms_error_mps: float  # from the set speed
-    wind_along_std_mps: float  # standard deviation of the air's velocity along the flight
-    begin_s_m: float
-    route_miss_m: float  # least distance to the threat's centre along the path flown at the first decision
-    deflection_ground_deg: float  # commanded, over the ground; deflection_deg is the planner's, through the air that it knows
-    flown_deflection_deg: float  # of the velocity over the ground at the closest passage of the insertion point
-    flown_deflection_air_deg: float  # the same, of the velocity through the air
-    peak_deflection_deg: float  # largest before the flight is clear, over the ground
-    peak_deflection_air_deg: float
-    avoidance_time_s: float  # trigger to the closest passage of the insertion point
-    insertion_miss_m: float  # distance there
-    clear_time_s: float  # trigger to clear: every obstacle opens, and the rest of the flight keeps every radius
-    rejoin_time_s: float  # trigger to back on the route for good (within 5 m)
-    rejoin_length_m: float  # ground arc until then

@@ -22,7 +22,7 @@ LOOK_EVERY_S = 0.1  # the way back is timed this finely
 
 @dataclass(frozen=True)
 class Avoidance:
-    """Metrics of the first avoidance of a flight, named as in ``FlightMetrics``; NaN where there is none."""
+    """Metrics of the first avoidance of a flight, named as the columns; NaN where there is none."""
 
     deflection_ground_deg: float = NAN
     flown_deflection_deg: float = NAN

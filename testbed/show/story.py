@@ -6,7 +6,8 @@ import numpy as np
 
 from testbed.core.frames import direction_deg
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.record import Decision, FlightMetrics, FlightRecord, PlannedPath, ReplanEvent
+from testbed.flight.record import Decision, FlightRecord, PlannedPath, ReplanEvent
+from testbed.results.columns import FlightMetrics
 
 Array = np.ndarray
 
