@@ -3,15 +3,19 @@
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
+from testbed.flight.signals import flat, units_of
 from vosc import ph
 from vosc.methods import Status
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = np.ndarray
 
@@ -126,21 +130,7 @@ class ReplanEvent:
 
 @dataclass(frozen=True)
 class FlightRecord:
-    """Everything that happened, one row per plant tick.
-
-    ``columns``: ``time_s`` (n,); ``own.pos_enu_m`` ``own.vel_enu_mps`` (n,3); ``own.quat_enu_from_body_xyzw`` (n,4);
-    ``own.bank_rad`` ``own.pitch_rad`` ``own.heading_rad`` ``own.load_factor`` ``own.airspeed_mps`` ``own.alpha_rad``
-    ``own.beta_rad`` (n,); ``own.rates_body_radps`` (n,3); ``own.throttle`` ``own.elevator`` ``own.aileron`` ``own.rudder`` (n,) commands;
-    ``air.wind_enu_mps`` (n,3) velocity of the air over the ground at the aircraft, gusts included: airspeed = |velocity - wind|;
-    ``air.rotation_body_radps`` (n,3) angular velocity of the air about the wing in body axes, which the aerodynamics feel taken off the
-    aircraft's rates: 0 in calm air, NaN for a point;
-    ``guidance.s_m`` ``guidance.bank_cmd_rad`` ``guidance.load_factor_cmd`` (n,), ``guidance.saturated`` (n,) 0 or 1,
-    and why: ``guidance.limited`` (n,) 1 for bank plus 2 for load factor, ``own.at_stop`` (n,) 1 when a surface is at its stop;
-    ``path.index`` (n,) which of ``paths`` was active; ``path.leg`` (n,) piece of that path;
-    ``path.s_m`` (n,) arc length of its nearest point, ``path.cross_track_m`` (n,) 3-D distance to it, both exact;
-    ``obstacle.<name>.pos_enu_m`` ``obstacle.<name>.vel_enu_mps`` (n,3); ``obstacle.<name>.clearance_m`` (n,).
-    What a plant does not have (control deflections of a point) is NaN.
-    """
+    """Everything that happened. ``columns``: the signals that ``testbed.flight.signals`` declares, one row per plant tick."""
 
     plan: FlightPlan
     outcome: Outcome
@@ -150,3 +140,11 @@ class FlightRecord:
     message: str = ""  # one sentence about an outcome that is not REACHED
     longest_s: float = math.inf  # how long the flight was allowed to take
     timings: tuple[tuple[str, float], ...] = ()  # wall-clock seconds per stage; not part of the result
+
+    def frame(self) -> "pd.DataFrame":
+        """The signals as a table, a row a plant tick, vectors by their parts; ``frame.attrs["units"]`` has the unit of each column."""
+        import pandas as pd
+
+        frame = pd.DataFrame(flat(self.columns))
+        frame.attrs |= {"flight_id": self.plan.flight_id, "units": units_of(self.columns)}
+        return frame

@@ -5,6 +5,7 @@ import rerun as rr
 
 from testbed.core.units import DEG
 from testbed.flight.record import NEW_PATH, FlightRecord, Outcome, inside
+from testbed.flight.signals import flat
 from testbed.show import palette
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
@@ -54,13 +55,8 @@ def _log_curve(stream: rr.RecordingStream, entity: str, name: str, colour: str, 
 
 def _flat(record: FlightRecord, rows: np.ndarray) -> dict[str, np.ndarray]:
     """Every column of the record as scalars: vectors become ``name.x``; what is unknown throughout is left out."""
-    flat = {}
-    for name, values in record.columns.items():
-        if name == "time_s":
-            continue
-        parts = {name: values} if values.ndim == 1 else {f"{name}.{axis}": values[:, k] for k, axis in enumerate("xyzw"[: values.shape[1]])}
-        flat.update({key: part[rows].astype(np.float64) for key, part in parts.items() if not np.isnan(part[rows]).all()})
-    return flat
+    told = {name: values[rows].astype(np.float64) for name, values in flat(record.columns).items() if name != "time_s"}
+    return {name: values for name, values in told.items() if not np.isnan(values).all()}
 
 
 def _log_modes(stream: rr.RecordingStream, record: FlightRecord, rows: np.ndarray, seen: np.ndarray, sights: list[Sight]) -> None:
