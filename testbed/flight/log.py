@@ -11,13 +11,12 @@ from testbed.core.frames import quat_xyzw_from_euler
 from testbed.flight.guidance.law import Telemetry
 from testbed.flight.path import ActivePath
 from testbed.flight.plants.base import Plant, State
-from testbed.flight.record import FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
+from testbed.flight.record import ANSWERED, FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
 from testbed.flight.scene import Scene
 from testbed.flight.traffic.track import least_clearance
 
 Array = np.ndarray
 _GUIDANCE_ROW = struct.Struct(f"{len(Telemetry._fields) + 1}d").pack
-ANSWERED = ("replanned", "rejoined", "none", "clear")  # decisions after which the flight is not one without a path
 STATE_COLUMNS = {  # State field -> column
     "bank": "own.bank_rad",
     "pitch": "own.pitch_rad",

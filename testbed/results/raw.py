@@ -20,9 +20,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from testbed.flight.record import FlightRecord
+from testbed.flight.signals import flat
 from testbed.results.plain import plain
 
-VECTORS = ("own.pos_enu_m", "own.vel_enu_mps", "air.wind_enu_mps")
+KEPT = ("time_s", "own.pos_enu_m", "own.vel_enu_mps", "air.wind_enu_mps")
 FLIGHT = "flight"  # key of the metadata
 
 
@@ -41,10 +42,9 @@ def write_columns(record: FlightRecord, path: Path) -> None:
 
 def raw_table(record: FlightRecord) -> pa.Table:
     """The columns, and under ``flight`` in the metadata of the schema what is no column."""
-    columns = {"time_s": record.columns["time_s"]}
-    for name in VECTORS:
-        columns |= {f"{name}.{axis}": np.ascontiguousarray(record.columns[name][:, k]) for k, axis in enumerate("xyz")}
-    return pa.table(columns, metadata={FLIGHT: json.dumps(plain(about(record)), allow_nan=False, separators=(",", ":"))})
+    columns = flat({name: record.columns[name] for name in KEPT})
+    metadata = {FLIGHT: json.dumps(plain(about(record)), allow_nan=False, separators=(",", ":"))}
+    return pa.table({name: np.ascontiguousarray(values) for name, values in columns.items()}, metadata=metadata)
 
 
 def about(record: FlightRecord) -> dict[str, Any]:

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any, get_args
 
 from testbed.core.frames import Vec3
-from testbed.flight.record import FlightMetrics, ReplanEvent
+from testbed.flight.record import ReplanEvent
+from testbed.results.columns import FlightMetrics
 from testbed.results.plain import plain
 from testbed.run.job import JobResult, Row
 

@@ -31,7 +31,7 @@ def write_results(
         _lead_time(directory, about, campaign, flown, results, len(plans))
         return ()
     rows = [result.row for result in results]
-    table = tables.table(rows)
+    table = tables.table(rows, tables.axis_kinds(plan.labels for plan in plans))
     directory.put("results.csv", tables.csv_bytes(table))
     directory.put("results.parquet", tables.parquet_bytes(table))
     directory.put("timings.csv", _timings(results))

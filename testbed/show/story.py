@@ -6,7 +6,8 @@ import numpy as np
 
 from testbed.core.frames import direction_deg
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.record import FlightMetrics, FlightRecord, PlannedPath, ReplanEvent
+from testbed.flight.record import Decision, FlightRecord, PlannedPath, ReplanEvent
+from testbed.results.columns import FlightMetrics
 
 Array = np.ndarray
 
@@ -80,7 +81,7 @@ def piece_names(record: FlightRecord, count: int) -> list[str]:
     path, replan = record.paths[count], record.plan.replan
     if count == 0:
         return ["route"] * len(path.curves)
-    if any(event.decision == "rejoined" and event.time_s == path.from_time_s for event in record.events):
+    if any(event.decision == Decision.REJOINED and event.time_s == path.from_time_s for event in record.events):
         return ["rejoin"] * len(path.curves)
     holds = replan.answer == "direct" or replan.rejoin.when == "clear"
     return ["avoid"] + ["avoid" if holds else "rejoin"] * (len(path.curves) - 1)
@@ -104,10 +105,10 @@ def radius_m(curvature_1pm: float) -> float:
 
 def event_sentence(event: ReplanEvent) -> str:
     """One line of the event log."""
-    if event.decision == "rejoined":
+    if event.decision == Decision.REJOINED:
         back = f"way back of {number(event.planned_length_m, 0)} m planned, {number(event.route_miss_m, 0)} m from the centre at least"
         return f"{event.obstacle}: clear, {back}"
-    if event.decision != "replanned":
+    if event.decision != Decision.REPLANNED:
         return f"{event.obstacle}: {event.method} kept the path, {event.decision.replace('_', ' ')} (status {event.status})"
     azimuth, elevation = direction_deg(event.command_enu_mps)
     bend = event.max_curvature_to_insertion_1pm

@@ -13,8 +13,9 @@ from typing import Any
 import pytest
 
 from testbed.campaign.words.settings import Campaign
-from testbed.flight.record import FlightMetrics, FlightRecord
+from testbed.flight.record import FlightRecord
 from testbed.results.checks import CheckResult
+from testbed.results.columns import FlightMetrics
 from testbed.show import answer, figures
 from testbed.show.page import render_page
 from testbed.show.series import flight_series

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from vosc.encounter import Obstacle, Own, cone_margin
-from vosc.methods.choice import Choice
+from vosc.methods.choice import Choice, Status
 from vosc.methods.differential_geometry import differential_geometry
 from vosc.methods.droam import droam_hp, droam_vp
 from vosc.methods.least_deflection import least_deflection
@@ -33,7 +33,7 @@ from vosc.methods.potential_field import potential_field
 from vosc.methods.scoam import scoam
 from vosc.vec import FloatArray, array, deflection
 
-__all__ = ["MARGIN_RAD", "METHODS", "OPTIONS", "Avoidance", "Choice", "Method", "avoid"]
+__all__ = ["MARGIN_RAD", "METHODS", "OPTIONS", "Avoidance", "Choice", "Method", "Status", "avoid"]
 
 Method = Callable[..., Choice]
 
@@ -67,7 +67,7 @@ class Avoidance:
 
     velocity_mps: FloatArray
     deflection_rad: float
-    status: str
+    status: Status
     margin_rad: float
 
 
@@ -85,16 +85,16 @@ def avoid(method: str | Method, own: Own, obstacles: Sequence[Obstacle], **optio
     obstacles = tuple(obstacles)
     present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in obstacles), default=math.inf)
     if any(math.dist(own.pos_m, o.pos_m) < o.radius_m for o in obstacles):
-        choice = Choice(own.vel_mps, "inside")
+        choice = Choice(own.vel_mps, Status.INSIDE)
     elif present >= -MARGIN_RAD:
-        choice = Choice(own.vel_mps, "clear")
+        choice = Choice(own.vel_mps, Status.CLEAR)
     else:
         choice = method(own, obstacles, **options)
     kept = choice.velocity_mps == own.vel_mps
     margin = present if kept else min(cone_margin(own.pos_m, choice.velocity_mps, o) for o in obstacles)
-    status = choice.status
-    if status == "avoided" and margin < -MARGIN_RAD:
-        status = "unsafe"
+    status = Status(choice.status)
+    if status is Status.AVOIDED and margin < -MARGIN_RAD:
+        status = Status.UNSAFE
     return Avoidance(array(choice.velocity_mps), 0.0 if kept else deflection(own.vel_mps, choice.velocity_mps), status, margin)
 
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from vosc.cone import exact_cones
 from vosc.encounter import Obstacle, Own, threat
-from vosc.methods.choice import Choice, none_free, undefined
+from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import circle_in_plane, least_turn
 from vosc.vec import right_of, sub, unit
 
@@ -30,4 +30,4 @@ def differential_geometry(own: Own, obstacles: Sequence[Obstacle]) -> Choice:
     if circle is None:
         return undefined(own)
     found = least_turn(exact_cones(own, [first]), [circle], (1, -1))
-    return undefined(own) if found is None else Choice(found, "avoided")
+    return undefined(own) if found is None else Choice(found, Status.AVOIDED)

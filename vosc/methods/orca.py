@@ -13,7 +13,7 @@ from typing import NamedTuple
 from vosc.cone import Cone
 from vosc.encounter import Obstacle, Own, relative_velocity
 from vosc.free import nearest_free
-from vosc.methods.choice import Choice, undefined
+from vosc.methods.choice import Choice, Status, undefined
 from vosc.vec import Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
 
 
@@ -120,11 +120,11 @@ def orca(
     speed = norm(own.vel_mps)
     if not keep_speed:
         point = nearest_in_ball(spaces, own.vel_mps, speed)
-        return undefined(own) if point is None else Choice(point, "avoided")
+        return undefined(own) if point is None else Choice(point, Status.AVOIDED)
     if speed == 0.0 or any(h.offset > speed for h in spaces):
         return undefined(own)
     # a half-space forbids the velocities within a circle round the opposite of its normal
     circles = [h for h in spaces if h.offset > -speed]
     forbidden = [Cone((0.0, 0.0, 0.0), scale(-1.0, h.normal), -h.offset / speed, math.sqrt(1.0 - (h.offset / speed) ** 2)) for h in circles]
     found = nearest_free(forbidden, speed, own.vel_mps)
-    return undefined(own) if found is None else Choice(found, "avoided")
+    return undefined(own) if found is None else Choice(found, Status.AVOIDED)

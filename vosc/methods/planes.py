@@ -13,7 +13,7 @@ import numpy as np
 
 from vosc.cone import Cone, exact_cones
 from vosc.encounter import Obstacle, Own
-from vosc.methods.choice import Choice, none_free, undefined
+from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import great_circle, least_turn
 from vosc.vec import Vec, combine, cross, perpendicular, right_of, unit
 
@@ -22,7 +22,7 @@ MOST_PLANES = 10_000
 
 def _least_of(own: Own, cones: Sequence[Cone], normals: Sequence[Vec]) -> Choice:
     found = least_turn(cones, [great_circle(own.vel_mps, normal) for normal in normals], (-1, 1))
-    return undefined(own) if found is None else Choice(found, "avoided")
+    return undefined(own) if found is None else Choice(found, Status.AVOIDED)
 
 
 def _normals(velocity: Vec, roll_rad: Sequence[float]) -> list[Vec]:

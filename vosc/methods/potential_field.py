@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 
 from vosc.encounter import Obstacle, Own
-from vosc.methods.choice import Choice, undefined
+from vosc.methods.choice import Choice, Status, undefined
 from vosc.vec import Vec, along, norm, scale, sub, three, unit
 
 
@@ -33,4 +33,4 @@ def potential_field(
         if ratio > 1.0:
             force = along(force, gain * (ratio - 1.0) * ratio * ratio / distance, away)
     size = norm(force)
-    return Choice(scale(norm(own.vel_mps) / size, force), "avoided") if size > 1e-9 else undefined(own)
+    return Choice(scale(norm(own.vel_mps) / size, force), Status.AVOIDED) if size > 1e-9 else undefined(own)

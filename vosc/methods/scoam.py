@@ -6,7 +6,7 @@ from typing import Literal
 from vosc.cone import is_free
 from vosc.direction import OBJECTIVES, Boundary, Objective, best_free, boundaries, corner_points
 from vosc.encounter import Obstacle, Own, cone_margin
-from vosc.methods.choice import Choice, undefined
+from vosc.methods.choice import Choice, Status, undefined
 from vosc.spherical_cap import cap, critical_velocity, generatrices
 from vosc.vec import deflection, norm, three
 
@@ -41,15 +41,15 @@ def scoam(
     if len(obstacles) == 1 and objective is None:
         pair = generatrices(own, obstacles[0])
         velocity = None if pair is None else critical_velocity(own, obstacles[0], pair[0])
-        return undefined(own) if velocity is None else Choice(velocity, "avoided")
+        return undefined(own) if velocity is None else Choice(velocity, Status.AVOIDED)
     cones = boundaries(own, obstacles, boundary)
     if cones is None:
         return undefined(own)
     if not corners_only:
         found = best_free(cones, own.vel_mps, objective or "least_deflection", None if goal is None else three("goal", goal))
-        return undefined(own) if found is None else Choice(found, "avoided")
+        return undefined(own) if found is None else Choice(found, Status.AVOIDED)
     caps = [c for c in (cap(own, o) for o in obstacles) if c is not None]
     speed = norm(own.vel_mps)
     corners = [three("S", s) for i, first in enumerate(caps) for second in caps[:i] for s in corner_points(first, second, speed)]
     corners = [s for s in corners if is_free(cones, s)]
-    return Choice(min(corners, key=lambda s: deflection(own.vel_mps, s)), "avoided") if corners else undefined(own)
+    return Choice(min(corners, key=lambda s: deflection(own.vel_mps, s)), Status.AVOIDED) if corners else undefined(own)

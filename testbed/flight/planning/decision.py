@@ -6,10 +6,10 @@ from typing import NamedTuple
 from testbed.campaign.words.settings import Replan
 from testbed.core.frames import Vec3, vec3
 from testbed.flight.path import ActivePath
-from testbed.flight.record import ReplanEvent
+from testbed.flight.record import Decision, ReplanEvent
 from testbed.flight.traffic.track import Track
 from vosc import Insertion, Obstacle, Own, Threat, cap, threat
-from vosc.methods import Avoidance
+from vosc.methods import Avoidance, Status
 from vosc.vec import add, along, sub
 
 NAN = math.nan
@@ -37,7 +37,7 @@ def carried(insertion: Insertion, wind: Vec3) -> Vec3:
 
 def make_event(
     time_s: float,
-    decision: str,
+    decision: Decision,
     method: str,
     own: Own,
     major: Sighting,
@@ -60,7 +60,7 @@ def make_event(
         obstacle=major.track.name,
         decision=decision,
         method=method,
-        status=answer.status if answer else "clear",
+        status=answer.status if answer else Status.CLEAR,
         own_pos_enu_m=own.pos_m,
         own_vel_enu_mps=add(own.vel_mps, wind),
         obstacle_pos_enu_m=major.obstacle.pos_m,

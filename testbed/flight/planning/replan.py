@@ -34,12 +34,12 @@ from testbed.flight.planning.decision import Sighting, carried, make_event
 from testbed.flight.planning.rejoin import Rejoin, joined, miss_along, ray
 from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.base import State
-from testbed.flight.record import ReplanEvent
+from testbed.flight.record import Decision, ReplanEvent
 from testbed.flight.scene import Scene
 from testbed.flight.sensing.truth import detect
 from testbed.flight.traffic.track import Track
 from vosc import Insertion, Own, insertion_point
-from vosc.methods import Avoidance, avoid
+from vosc.methods import Avoidance, Status, avoid
 from vosc.vec import add, norm, sub
 
 STILL: Vec3 = (0.0, 0.0, 0.0)
@@ -111,12 +111,14 @@ class Planner:
         major = min(threats, key=lambda sighting: time_of_collision(own, sighting))
         answer = avoid(self._method, own, [sighting.obstacle for sighting in threats], **self._plan.method.options)
         memory = memory._replace(handled=memory.handled | {sighting.track.name for sighting in threats})
-        insertion, new, decision = None, None, "none" if kind == "none" else answer.status
-        if kind != "none" and answer.status in ("avoided", "unsafe"):
+        insertion, new, decision = None, None, Decision.NONE
+        if kind != "none" and answer.status not in (Status.AVOIDED, Status.UNSAFE):
+            decision = Decision(answer.status)
+        elif kind != "none":
             direct = settings.answer == "direct"
             insertion = None if direct else insertion_point(own, major.obstacle, settings.k, settings.time_rule)
             new = self._path(own, answer, insertion, wind) if direct or insertion else None
-            decision = "replanned" if new else "no_path" if direct or insertion else "no_insertion_point"
+            decision = Decision.REPLANNED if new else Decision.NO_PATH if direct or insertion else Decision.NO_INSERTION_POINT
         if new is not None:
             holds = insertion is None or settings.rejoin.when == "clear"
             memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf)
@@ -149,7 +151,7 @@ class Planner:
         nearest = min(known, key=lambda track: math.dist(own.pos_m, track.at(time_s)) - track.radius)
         sighting = Sighting.of(nearest, nearest.at(time_s), own, wind, self._plan.replan)
         passing = miss_along(path, 0.0, norm((state.vx, state.vy, state.vz)), time_s, known)
-        event = make_event(time_s, "rejoined", self._plan.method.kind, own, sighting, None, None, path, wind, passing)
+        event = make_event(time_s, Decision.REJOINED, self._plan.method.kind, own, sighting, None, None, path, wind, passing)
         return memory._replace(hold_from_s_m=math.inf), path, event
 
 

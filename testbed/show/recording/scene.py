@@ -5,7 +5,8 @@ import math
 import numpy as np
 import rerun as rr
 
-from testbed.flight.record import FlightMetrics, FlightRecord
+from testbed.flight.record import FlightRecord
+from testbed.results.columns import FlightMetrics
 from testbed.show import palette, shapes
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
 from testbed.core.catalogue import aircraft_folders
-from testbed.flight.record import FlightMetrics, FlightRecord
+from testbed.flight.record import FlightRecord
+from testbed.results.columns import FlightMetrics
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
 from testbed.studies.scoam.claim import WORDS, Claim, Control, Effect, Rank, Spread, Step, Waterfall
