@@ -85,7 +85,8 @@ def _unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     elif kind == "literal_error":
         message, hint = _choice(context["expected"], value)
     elif kind == "unknown_name":
-        message, hint = error["msg"], did_you_mean(str(value), context["listing"].split(", "))
+        elsewhere = "`testbed --aircraft-path DIR` looks elsewhere too" if context["what"] == "aircraft" else ""
+        message, hint = error["msg"], did_you_mean(str(value), context["listing"].split(", ")) or elsewhere
     elif kind == "string_pattern_mismatch":
         message = f"must be letters, digits, '_' and '-' only, not {shown(value)}"
     elif kind == "string_too_long":
