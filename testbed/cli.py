@@ -67,14 +67,16 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
+    context: typer.Context,
     _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
     aircraft_path: Annotated[
         list[Path] | None, typer.Option(metavar="DIR", help="Look for aircraft here too: folders with an aircraft.yaml in them.")
     ] = None,
 ) -> None:
-    if aircraft_path:
-        from testbed.core.catalogue import add_aircraft_path
+    from testbed.core.catalogue import add_aircraft_path, aircraft_beside
 
+    context.with_resource(aircraft_beside(Path()))
+    if aircraft_path:
         with _bad_input():
             for root in aircraft_path:
                 try:
@@ -96,8 +98,11 @@ def run(
     ] = None,
 ) -> None:
     """Fly a campaign, or what is left of it; the last line on stdout is the run directory."""
-    with _bad_input():
+    from testbed.core.catalogue import aircraft_beside
+
+    with _bad_input(), aircraft_beside(file.parent):
         from testbed.run import progress, runner
+        from testbed.run.engines import usable_cores
 
         overrides = tuple(override or ())
         try:
@@ -106,7 +111,7 @@ def run(
                     source=file,
                     out=out,
                     overrides=overrides,
-                    engine=_engine(engine, workers or len(os.sched_getaffinity(0)), scheduler),
+                    engine=_engine(engine, workers or usable_cores(), scheduler),
                     fresh=fresh,
                     command=("testbed", *sys.argv[1:]),
                     progress=show,
@@ -162,12 +167,14 @@ def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help
     with _bad_input():
         from testbed.campaign import SpecError, expand, load_campaign
         from testbed.campaign.words.grid import PART
+        from testbed.core.catalogue import aircraft_beside
 
         bad = False
         for file in files:
             try:
-                campaign = load_campaign(file)
-                plans = expand(campaign)
+                with aircraft_beside(file.parent):
+                    campaign = load_campaign(file)
+                    plans = expand(campaign)
             except SpecError as problems:
                 _say(str(problems), sys.stderr)
                 bad = True
@@ -211,6 +218,19 @@ def replay(
         _say(f"flight {again.flight_id}: metrics and events equal its row in the run", sys.stderr)
     _say(str(again.recording))
     raise typer.Exit(CRASHED if again.differences else 0)
+
+
+@app.command()
+def init(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="A new folder, or one without files of these names.")],
+    examples: Annotated[bool, typer.Option("--examples", help="The project's own campaigns too, to copy from: DIR/examples/.")] = False,
+) -> None:
+    """Begin a study of your own: write a first campaign, its schema for editors, and what to type next."""
+    with _bad_input():
+        from testbed.run.init import begin_study
+
+        for file in begin_study(directory, examples):
+            _say(str(file))
 
 
 @app.command()
@@ -285,6 +305,8 @@ def tune(
     """Find an aircraft's gains: linearise, place the loops, identify the lags, verify in steps."""
     with _bad_input():
         _need_aircraft(name)
+        if write:
+            _refuse_installed(name)
         from testbed.airframe.tune import TuneFailedError
         from testbed.airframe.tune import tune as find
 
@@ -311,4 +333,11 @@ def _need_aircraft(name: str) -> None:
     from testbed.core.catalogue import aircraft_folders
 
     if name not in (known := aircraft_folders()):
-        _fail(f"no aircraft '{name}'; there are: {', '.join(known)}")
+        _fail(f"no aircraft '{name}'; there are: {', '.join(known) or 'none'} (`testbed --aircraft-path DIR` looks elsewhere too)")
+
+
+def _refuse_installed(name: str) -> None:
+    from testbed.core.catalogue import aircraft_folders, is_installed
+
+    if is_installed(folder := aircraft_folders()[name]):
+        _fail(f"{name} belongs to the installed package, which is not written to: copy {folder} to aircraft/{name}, or take --dry-run")

@@ -247,8 +247,8 @@ BOMB = "a: &a [x,x,x,x,x,x,x,x,x,x]\n" + "".join(f"{b}: &{b} [{','.join([f'*{a}'
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "bad.yaml: the file is empty (campaigns/ has examples)"),
-        ("# only a comment\n", "bad.yaml: the file is empty (campaigns/ has examples)"),
+        ("", "bad.yaml: the file is empty (`testbed init DIR` writes one to begin with)"),
+        ("# only a comment\n", "bad.yaml: the file is empty (`testbed init DIR` writes one to begin with)"),
         ("- a\n- b\n", "bad.yaml:1:1: must be a section: 'key: value' lines at the top, not a list or a text"),
         ("just text\n", "bad.yaml:1:1: must be a section: 'key: value' lines at the top, not a list or a text"),
         (b"name: \xff\n", "bad.yaml:1:7: byte 0xff is not UTF-8"),

@@ -131,5 +131,9 @@ def page(campaign, rows, series, provenance, checks, lead):
     return json.dumps([campaign.name, rows, series, provenance, [str(line) for line in checks], lead], sort_keys=True)
 
 
+def ignores_ctrl_c(_item):
+    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
 def deaf_to_ctrl_c(_):
     return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])

@@ -24,7 +24,7 @@ from vosc import Obstacle, Own
 def _known(what: str, name: str, known: Iterable[str]) -> str:
     """``name``, if it is one of ``known``; the error carries both, so that a message can suggest the nearest."""
     if name not in (names := list(known)):
-        context = {"what": what, "name": name, "listing": ", ".join(names)}
+        context = {"what": what, "name": name, "listing": ", ".join(names) or "none"}
         raise PydanticCustomError("unknown_name", "no {what} '{name}'; there are: {listing}", context)
     return name
 
