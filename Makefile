@@ -28,19 +28,17 @@ paper: $(STAMP) ## the verdict on the paper, 20 seeds: reports/runs/paper/index.
 	$(BIN)/testbed run campaigns/paper.yaml --fresh > /dev/null; \
 	echo "main job: $$(( $$(date +%s) - start )) s (installation not included)"; echo reports/runs/paper/index.html
 
-# What is committed in reports/paper: more of everything that is drawn, and the recordings that the page links to.
+# More of everything that is drawn. What is small of it is committed in reports/paper; recordings and results.csv stay in the run.
 FULL := reports/runs/paper-full
-paper-full: $(STAMP) ## the verdict with 100 seeds, 1000 encounters, 500 draws; verified; into reports/paper
+paper-full: $(STAMP) ## the verdict with 100 seeds, 1000 encounters, 500 draws; verified; page into reports/paper
 	$(BIN)/testbed run campaigns/paper.yaml --fresh --out $(FULL) --set parts.turbulence.replicates=100 \
 	  --set parts.population.replicates=1000 --set parts.robustness_single.replicates=501 --set parts.robustness_multi.replicates=501
-	$(BIN)/python reports/verify.py $(FULL)
+	$(BIN)/python reports/verify $(FULL)
 	$(BIN)/testbed audit
-	mkdir -p reports/paper/recordings
-	cp $(FULL)/index.html $(FULL)/verdict.csv $(FULL)/results.csv reports/paper/
-	cp $(FULL)/recordings/*.rrd reports/paper/recordings/
+	$(BIN)/python reports/publish.py $(FULL) reports/paper
 
 verify: $(STAMP) ## recompute the verdict of `make paper` from its raw columns, without the testbed's code
-	$(BIN)/python reports/verify.py reports/runs/paper
+	$(BIN)/python reports/verify reports/runs/paper
 
 lead-time: $(STAMP) ## the lead-time study, about half an hour: reports/lead_time
 	$(BIN)/testbed run campaigns/lead_time.yaml --fresh
@@ -73,4 +71,4 @@ lock: ## choose versions again: the newest that fit pyproject.toml, for Python 3
 
 clean: ## remove the environment and caches; runs stay
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
-	find testbed vosc tests -name __pycache__ -prune -exec rm -rf {} +
+	find testbed vosc tests reports -name __pycache__ -prune -exec rm -rf {} +

@@ -289,7 +289,7 @@ class Campaign(Grid, FlightSettings):
     recordings: Kept = "selected"
     """Which flights leave a .rrd recording; selected: the first replicate of each cell."""
     columns: Kept = "none"
-    """Which flights leave their raw columns, from which reports/verify.py computes the results again."""
+    """Which flights leave their raw columns, from which reports/verify computes the results again."""
     check: Check | None = None
     """For a campaign that checks the testbed: how it is judged."""
     verdict: Literal["paper"] | None = None
