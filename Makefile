@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time test fast bench report lock clean
+.PHONY: help paper paper-full verify lead-time test fast wheel-test bench report lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -54,6 +54,11 @@ test: $(STAMP) ## style, types, import order, all tests
 
 fast: $(STAMP) ## the tests that take no longer than a second
 	$(BIN)/pytest -n auto -m "not slow and not browser and not viewer"
+
+# For who releases: not part of `make test`, because the packages of other Pythons are not in the lock.
+PYTHONS ?=
+wheel-test: $(STAMP) ## install the wheel into empty environments of Python 3.11, 3.12, 3.13 (or PYTHONS="...") and fly a study there
+	$(BIN)/python tests/package/on_each_python.py $(PYTHONS)
 
 bench: $(STAMP) ## time a flight against the bare stepping of its plant
 	$(BIN)/testbed bench

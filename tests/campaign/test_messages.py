@@ -179,7 +179,9 @@ def test_a_wrong_name_of_a_part_says_which_there_are(complaint: Complaint, good:
     message = complaint(good.replace("kind: scoam", "kind: scom"))
     assert message.startswith("bad.yaml:18:16: method.kind: no method 'scom'; there are: none, scoam")
     assert "did you mean 'scoam'?" in message
-    assert "aircraft: no aircraft 'ufo'; there are: " in complaint(good + "aircraft: ufo\n")
+    unknown = complaint(good + "aircraft: ufo\n")
+    assert "aircraft: no aircraft 'ufo'; there are: " in unknown
+    assert "`testbed --aircraft-path DIR` looks elsewhere too" in unknown
 
 
 def test_two_axes_must_not_set_the_same_thing(complaint: Complaint, good: str) -> None:

@@ -1,4 +1,4 @@
-import multiprocessing
+import multiprocessing.resource_tracker
 import os
 import signal
 import subprocess
@@ -66,6 +66,7 @@ def test_where_the_system_does_not_tell_all_cores_count(monkeypatch):
 
 
 def test_where_signals_cannot_be_blocked_workers_ignore_ctrl_c(monkeypatch):
+    multiprocessing.resource_tracker.ensure_running()  # which would miss what is taken away here
     monkeypatch.delattr(signal, "pthread_sigmask")
     assert results(LocalEngine(1), fakes.ignores_ctrl_c, [0]) == [True]
 
