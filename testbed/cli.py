@@ -142,7 +142,9 @@ def _without_fresh(arguments: list[str]) -> list[str]:
 
 def _summarise(summary: "Summary") -> None:
     """What came out, on stderr; the run directory, on stdout; the exit code."""
-    outcomes = ", ".join(f"{count} {outcome}" for outcome, count in sorted(summary.outcomes.items()))
+    from testbed.show import words
+
+    outcomes = words.outcomes(summary.outcomes)
     flown = sum(summary.outcomes.values())
     _say(f"{flown} of {summary.planned} flights ({summary.flown_now} flown now): {outcomes or 'none'}", sys.stderr)
     if summary.crashed:

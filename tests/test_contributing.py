@@ -1,6 +1,7 @@
-"""CONTRIBUTING is true: the files it names exist, its walks can be walked, its YAML loads and its Python is a part that keeps its promises."""
+"""CONTRIBUTING is true: its files exist, its walks can be walked, its YAML loads, and its Python is a part that keeps its promises."""
 
 import ast
+import itertools
 import re
 from pathlib import Path
 
@@ -62,7 +63,7 @@ def test_a_walk_can_be_walked(walk: str) -> None:
     for file, symbol in way:
         assert file.exists(), file
         assert defined(ast.parse(file.read_text()), symbol), f"{file.name} has no {symbol}"
-    for (first, _), (second, _) in zip(way, way[1:], strict=False):
+    for (first, _), (second, _) in itertools.pairwise(way):
         assert linked(first, second), f"{first.name} and {second.name} do not know each other"
 
 

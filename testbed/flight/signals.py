@@ -27,8 +27,8 @@ SIGNALS: Final = (
     Signal("own.pos_enu_m", "m", "xyz", "Place of the centre of gravity: east, north, up."),
     Signal("own.vel_enu_mps", "m/s", "xyz", "Velocity over the ground."),
     Signal("air.wind_enu_mps", "m/s", "xyz", "Velocity of the air over the ground there, gusts included; airspeed is |velocity - wind|."),
-    Signal("air.rotation_body_radps", "rad/s", "xyz", "Angular velocity of the air about the wing in body axes, by which the aerodynamics "
-           "feel less than the aircraft's rates: 0 in calm air, NaN for a point."),
+    Signal("air.rotation_body_radps", "rad/s", "xyz", "Angular velocity of the air about the wing in body axes, which aerodynamics feel "
+           "taken off the aircraft's rates: 0 in calm air, NaN for a point."),
     Signal("own.rates_body_radps", "rad/s", "xyz", "Angular velocity in body axes: roll, pitch, yaw."),
     Signal("own.quat_enu_from_body_xyzw", "", "xyzw", "Attitude as a quaternion that turns body axes (forward, right, down) into ENU."),
     Signal("own.bank_rad", "rad", "", "Bank angle, right wing down is positive."),

@@ -11,7 +11,7 @@ from testbed.core.chain import Chain
 from testbed.flight.planning.rejoin import miss_along
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.traffic.track import Track
-from testbed.show.columns import collided
+from testbed.results.rows import collided
 from testbed.show.story import event_sentence, leg_names
 from tests.plans import GTM, KINEMATIC, paper_obstacle, plan
 from vosc import ph

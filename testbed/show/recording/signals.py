@@ -6,10 +6,10 @@ import rerun as rr
 from testbed.core.units import DEG
 from testbed.flight.record import NEW_PATH, FlightRecord, Outcome, inside
 from testbed.flight.signals import flat
-from testbed.show import palette
+from testbed.show import palette, words
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
-from testbed.show.story import OUTCOME_TEXT, changes, event_sentence, leg_names
+from testbed.show.story import changes, event_sentence, leg_names, who
 from testbed.show.velocity_space import Sight
 
 # Entity below "signals", column of the record, factor to the unit shown, name in the legend, colour.
@@ -84,8 +84,8 @@ def _log_states(
 def _log_events(stream: rr.RecordingStream, record: FlightRecord) -> None:
     time_s = record.columns["time_s"]
     outcome = record.outcome
-    ending = record.message or OUTCOME_TEXT.get(outcome, outcome)
-    lines = [(float(time_s[0]), "INFO", f"start: {record.plan.plant.kind}, method {record.plan.method.kind}")]
+    ending = record.message or words.outcome_told(outcome)
+    lines = [(float(time_s[0]), "INFO", f"start: {who(record)}, {words.method(record.plan.method.kind)}")]
     lines += [(event.time_s, "INFO" if event.decision in NEW_PATH else "WARN", event_sentence(event)) for event in record.events]
     for spec in record.plan.obstacles:
         hit = inside(record.columns[f"obstacle.{spec.name}.clearance_m"])

@@ -6,11 +6,11 @@ from typing import Any
 
 from testbed.core.catalogue import aircraft_folders
 from testbed.flight.aircraft import load_aircraft
+from testbed.results.rows import collided, value
 from testbed.show import palette
 from testbed.show.answer import Row
-from testbed.show.columns import collided, value
-from testbed.show.story import number
-from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, METHOD, named
+from testbed.show.words import named, number
+from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, METHOD
 
 CURVES = ("time_s", "x", "y", "z", "clearance_m", "bank_deg", "load_factor", "roll_rate_dps", "paths", "obstacles", "decisions")
 

@@ -5,9 +5,9 @@ from typing import Final
 
 import numpy as np
 
+from testbed.results.statistics import NAN
 from testbed.studies.scoam.claim import Step, Waterfall
 from testbed.studies.scoam.verdict.select import SIDES, Flights, Row, clearance
-from testbed.studies.scoam.verdict.stats import NAN
 
 LIMITS: Final = {
     "roll": ("point_roll", "point_no_roll"),

@@ -2,9 +2,9 @@
 
 from typing import Final
 
+from testbed.results.statistics import mcnemar, median, share_interval, spread
 from testbed.studies.scoam.claim import Rank
 from testbed.studies.scoam.verdict.select import Flights, Row, clearance, keeps, label, number
-from testbed.studies.scoam.verdict.stats import mcnemar, median, share_interval, spread
 
 METHODS: Final = ("scoam", "droam_hp", "droam_vp", "least_deflection")
 RUNGS: Final = ("kinematic", "jsbsim", "direct")

@@ -1,12 +1,14 @@
-"""Figures and lists as a sentence writes them."""
+"""Figures as a sentence of ``verdict.csv`` writes them, and the names of what they are of."""
 
 import math
-from collections.abc import Sequence
 from typing import Final
 
-from testbed.studies.scoam.claim import Effect
+from testbed.results.statistics import Effect
+from testbed.show import words
 
-PLACES: Final = {"m": 1, "deg": 2, "s": 2, "g": 1, "": 2, "deg/s": 0, "ms": 2, "times the limit": 2}
+PLACES: Final = words.DIGITS | {"deg": 2, "ms": 2}
+"""Decimals in a sentence, which compares what differs little."""
+NONE: Final = "none"
 
 READING: Final = {
     "single_as_printed": "Table 1 as printed",
@@ -16,10 +18,7 @@ READING: Final = {
     "multi_o2_up": "O_2 climbing at +15.4 deg",
 }
 
-METHOD: Final = {
-    "scoam": "SCOAM",
-    "droam_hp": "DROAM/HP",
-    "droam_vp": "DROAM/VP",
+METHOD: Final = words.METHODS | {
     "least_deflection": "least deflection",
     "droam_hp_left": "DROAM/HP left",
     "droam_hp_right": "DROAM/HP right",
@@ -30,33 +29,25 @@ RUNG: Final = {"kinematic": "on rails", "jsbsim": "flown"}
 
 
 def say(value: float, unit: str = "") -> str:
-    """``-3.8 m``; ``none`` for what does not exist. No negative zero."""
-    if not math.isfinite(value):
-        return "none"
-    text = f"{round(value, PLACES.get(unit, 2)) + 0.0:.{PLACES.get(unit, 2)}f}"
-    return f"{text} {unit}".rstrip()
+    """``-3.8 m``; ``none`` for what does not exist. Plain characters, for a CSV."""
+    return _plain(words.number(value, PLACES.get(unit, 2), unit)) if math.isfinite(value) else NONE
 
 
 def percent(value: float) -> str:
-    """A share: ``92 %``; one decimal between 99 and 100 and between 0 and 1, where it matters."""
-    if not math.isfinite(value):
-        return "none"
-    whole = 100.0 * value
-    near = 99.0 < whole < 100.0 or 0.0 < whole < 1.0
-    return f"{math.floor(10.0 * whole + 1e-9) / 10.0:.1f} %" if near else f"{whole:.0f} %"
+    """A share; ``none`` for what does not exist."""
+    return words.percent(value) if math.isfinite(value) else NONE
 
 
 def interval(effect: Effect) -> str:
     """``0.42 deg (0.31 to 0.50, 1000 pairs)``."""
     if effect.n == 0:
-        return "none"
+        return NONE
     bounds = f"{say(effect.low)} to {say(effect.high)}, " if math.isfinite(effect.low) else ""
     return f"{say(effect.value, effect.unit)} ({bounds}{effect.n} pairs)"
 
 
-def listed(names: Sequence[str]) -> str:
-    """``a``, ``a and b``, ``a, b and c``."""
-    return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else "".join(names)
+def _plain(text: str) -> str:
+    return text.replace(words.MINUS, "-")
 
 
 def reading(encounter: str) -> str:

@@ -1,4 +1,4 @@
-"""The statistics of the verdict, all exact and without random numbers, so that anybody gets the same figures.
+"""Statistics of flights, all exact and without random numbers, so that anybody gets the same figures.
 
 Shares: Clopper and Pearson (Biometrika 26, 1934). Medians of paired differences: order statistics, that is the sign test turned
 round (Conover, Practical Nonparametric Statistics). Shares in pairs: McNemar's test, exact (Psychometrika 12, 1947).
@@ -6,16 +6,39 @@ round (Conover, Practical Nonparametric Statistics). Shares in pairs: McNemar's 
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from scipy import stats
 
-from testbed.studies.scoam.claim import Effect, Spread
-
 LEVEL: Final = 0.95
 LEAST_PAIRS: Final = 6  # fewer have no interval of 95 % for their median
 NAN: Final = math.nan
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A quantity over flights: 5th percentile, median, 95th percentile, and how many flights. NaN and 0 where there is none."""
+
+    p05: float
+    median: float
+    p95: float
+    n: int
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Size of an effect with its 95 % interval; ``n`` flights or pairs; what it is and its unit."""
+
+    what: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    n: int
+
+
 NO_SPREAD: Final = Spread(NAN, NAN, NAN, 0)
 NO_EFFECT: Final = Effect("", "", NAN, NAN, NAN, 0)
 
