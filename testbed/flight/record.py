@@ -38,6 +38,10 @@ def inside(clearance_m: Any) -> Any:
     return clearance_m < -TOUCH_M
 
 
+AVOIDING = ("replanned", "steered", "planned")
+"""Decisions by which a flight left the path that it was on."""
+
+
 @dataclass(frozen=True)
 class PlannedPath:
     """A path that guidance was told to follow, from ``from_time_s`` on: PH pieces joined end to end."""
@@ -58,15 +62,16 @@ class PlannedPath:
 class ReplanEvent:
     """One decision of the planner, with its inputs and its result. Vectors are ENU; unknown quantities are NaN.
 
-    ``decision`` is ``replanned`` (the path avoids), ``rejoined`` (the path leads back), or why the path did not change:
-    ``none``, ``no_insertion_point``, ``no_free_direction``, ``inside``, ``undefined``, ``no_path``.
+    ``decision`` is ``replanned`` (the path avoids), ``steered`` (from here on a law steers, until the flight is clear), ``planned`` (a
+    planner of somebody's own has another path), ``rejoined`` (the path leads back), or why the path did not change: ``none``,
+    ``no_insertion_point``, ``no_free_direction``, ``inside``, ``undefined``, ``no_path``.
     """
 
     time_s: float
     obstacle: str
     decision: str
     method: str
-    status: str  # of the method, see vosc.methods
+    status: str  # of the method, see vosc.methods; ``steered`` or ``planned`` where there is no answer of a method
     own_pos_enu_m: Vec3
     own_vel_enu_mps: Vec3
     obstacle_pos_enu_m: Vec3

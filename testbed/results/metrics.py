@@ -10,7 +10,7 @@ from testbed.flight.air import make_wind
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import GOAL_GATE_M
 from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED
-from testbed.flight.record import FlightMetrics, FlightRecord, Outcome, PlannedPath
+from testbed.flight.record import AVOIDING, FlightMetrics, FlightRecord, Outcome, PlannedPath
 from testbed.flight.traffic.schedule import arc_lengths, planned_time
 from testbed.flight.traffic.track import least_clearance
 from testbed.results.avoidance import avoidance, clearance_of, followed_clearance
@@ -26,7 +26,7 @@ def measure(record: FlightRecord) -> FlightMetrics:
     columns = record.columns
     end, share = goal_crossing(record)
     flown = slice(0, end + 1)  # rows on this side of the goal's plane
-    first = next((event for event in record.events if event.decision == "replanned"), None)
+    first = next((event for event in record.events if event.decision in AVOIDING), None)
     clearance, at, nearest = closest_approach(record)
     cross_track = columns["path.cross_track_m"][flown]
     roll_rate = columns["own.rates_body_radps"][flown, 0]
@@ -38,7 +38,7 @@ def measure(record: FlightRecord) -> FlightMetrics:
         least_clearance_m=clearance,
         time_at_least_clearance_s=at,
         nearest_obstacle=nearest,
-        replans=sum(event.decision == "replanned" for event in record.events),
+        replans=sum(event.decision in AVOIDING for event in record.events),
         trigger_time_s=record.events[0].time_s if record.events else NAN,
         deflection_deg=first.deflection_rad / DEG if first else NAN,
         path_length_m=flown_length(record, end, share),

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vosc.cone import Cone, exact_cones
-from vosc.encounter import Obstacle, Own
+from vosc.encounter import Obstacle, Own, threatening
 from vosc.methods.choice import Choice, none_free, undefined
 from vosc.turns import great_circle, least_turn
 from vosc.vec import Vec, combine, cross, perpendicular, right_of, unit
@@ -40,7 +40,7 @@ def planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, offset_rad: flo
         raise ValueError(f"n: give at least one plane, got {n}")
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
-    return _least_of(own, exact_cones(own, obstacles), _normals(own.vel_mps, [offset_rad + math.pi * k / n for k in range(n)]))
+    return _least_of(own, exact_cones(own, threatening(obstacles)), _normals(own.vel_mps, [offset_rad + math.pi * k / n for k in range(n)]))
 
 
 def random_planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, seed: int = 0) -> Choice:
@@ -53,4 +53,4 @@ def random_planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, seed: in
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
     rolls = np.random.default_rng(seed).uniform(0.0, math.pi, n)
-    return _least_of(own, exact_cones(own, obstacles), _normals(own.vel_mps, rolls.tolist()))
+    return _least_of(own, exact_cones(own, threatening(obstacles)), _normals(own.vel_mps, rolls.tolist()))
