@@ -244,20 +244,15 @@ def schema() -> None:
 
 
 @app.command("list")
-def list_parts(what: Annotated[Literal["aircraft", "methods", "guidance", "plants"] | None, typer.Argument()] = None) -> None:
+def list_parts(
+    what: Annotated[Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic"] | None, typer.Argument()] = None,
+) -> None:
     """What a campaign can name: one name a line, or everything."""
-    from typing import get_args
-
-    from testbed.campaign.words.settings import GuidanceSpec, PlantSpec
+    from testbed.core import registry
     from testbed.core.catalogue import aircraft_folders
-    from vosc.methods import METHODS
 
-    parts: dict[str, list[str]] = {
-        "aircraft": list(aircraft_folders()),
-        "methods": list(METHODS),
-        "guidance": list(get_args(GuidanceSpec.model_fields["kind"].annotation)),
-        "plants": list(get_args(PlantSpec.model_fields["kind"].annotation)),
-    }
+    parts: dict[str, list[str]] = {"aircraft": list(aircraft_folders())}
+    parts |= {family.plural: registry.names(family.name) for family in registry.FAMILIES.values() if family.name != "study"}
     _say("\n".join(parts[what]) if what else "\n".join(f"{kind + ':':10} {', '.join(names)}" for kind, names in parts.items()))
 
 

@@ -17,13 +17,11 @@ from testbed.contracts.promise import Promise, first_broken
 from testbed.core.frames import vec3
 from testbed.core.seeds import stream
 from vosc import Obstacle, Own
-from vosc.methods import Choice, avoid
+from vosc.methods import CHOICES, Choice, avoid, checked_choice
 
 Scene = tuple[Own, tuple[Obstacle, ...]]
 SCENES = 200
 SPEED_MPS = 50.0
-ANSWERS = ("avoided", "no_free_direction", "undefined")
-"""What a method may say of its own answer; the other statuses are ``avoid``'s."""
 
 
 def promises(_kind: str, method: Callable[..., Choice], options: Mapping[str, Any]) -> list[Promise]:
@@ -35,7 +33,7 @@ def promises(_kind: str, method: Callable[..., Choice], options: Mapping[str, An
         return method(scene[0], scene[1], **options)
 
     return [
-        first_broken("answers with a Choice: three finite numbers, m/s, and one of " + ", ".join(ANSWERS), _cases(every, _shape, ask)),
+        first_broken("answers with a Choice: three finite numbers, m/s, and one of " + ", ".join(CHOICES), _cases(every, _shape, ask)),
         first_broken("gives the same answer to the same question", _cases(every, _same, ask)),
         first_broken("leaves what it is given alone", _cases(every, _alone, ask)),
         first_broken("keeps the speed, or says that there is no answer", _cases(scenes, _speed, ask)),
@@ -50,16 +48,11 @@ def _cases(
 
 
 def _shape(ask: Callable[[Scene], Choice], scene: Scene) -> str:
-    answer = ask(scene)
-    if not isinstance(answer, Choice):
-        return f"answers with {type(answer).__name__}; give vosc.methods.Choice(velocity_mps, status)"
-    if answer.status not in ANSWERS:
-        return f"its status is {answer.status!r}"
     try:
-        x, y, z = map(float, answer.velocity_mps)
-    except (TypeError, ValueError):
-        return f"its velocity is {answer.velocity_mps!r}"
-    return "" if all(map(math.isfinite, (x, y, z))) else f"its velocity is ({x:g}, {y:g}, {z:g})"
+        checked_choice(ask(scene))
+    except ValueError as error:
+        return str(error)
+    return ""
 
 
 def _same(ask: Callable[[Scene], Choice], scene: Scene) -> str:

@@ -12,7 +12,6 @@ from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
 from testbed.flight.signals import flat, units_of
 from vosc import ph
-from vosc.methods import Status
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,6 +37,8 @@ class Decision(StrEnum):
     """What the planner did about a threat: a new path, or why the path did not change."""
 
     REPLANNED = "replanned"  # the path avoids
+    STEERED = "steered"  # from here on a law steers, until the flight is clear
+    PLANNED = "planned"  # a planner of somebody's own has another path
     REJOINED = "rejoined"  # the path leads back
     NONE = "none"  # the flight has no method
     CLEAR = "clear"  # the method finds no cone to leave: the path is kept
@@ -48,7 +49,9 @@ class Decision(StrEnum):
     UNDEFINED = "undefined"
 
 
-NEW_PATH = frozenset({Decision.REPLANNED, Decision.REJOINED})
+AVOIDING = frozenset({Decision.REPLANNED, Decision.STEERED, Decision.PLANNED})
+"""Decisions by which a flight left the path that it was on."""
+NEW_PATH = AVOIDING | {Decision.REJOINED}
 """Decisions after which the flight follows another path."""
 ANSWERED = NEW_PATH | {Decision.NONE, Decision.CLEAR}
 """Decisions after which the flight is not one without a path."""
@@ -101,7 +104,7 @@ class ReplanEvent:
     obstacle: str
     decision: Decision
     method: str
-    status: Status  # of the method
+    status: str  # of the method, a ``Status``; the decision where a law or a planner of somebody's own made it
     own_pos_enu_m: Vec3
     own_vel_enu_mps: Vec3
     obstacle_pos_enu_m: Vec3

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbed.core.units import DEG
-from testbed.flight.record import Decision, FlightRecord, ReplanEvent, inside
+from testbed.flight.record import AVOIDING, FlightRecord, ReplanEvent, inside
 from testbed.flight.traffic.track import least_clearance
 
 Array = np.ndarray
@@ -38,7 +38,7 @@ class Avoidance:
 
 def avoidance(record: FlightRecord, end: int) -> Avoidance:
     """Of a flight whose row ``end`` is its last on this side of the goal's plane."""
-    event = next((event for event in record.events if event.decision == Decision.REPLANNED), None)
+    event = next((event for event in record.events if event.decision in AVOIDING), None)
     hz = record.plan.rates.plant_hz
     if event is None or (first := round(event.time_s * hz)) >= end:
         return Avoidance()

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from testbed.core.units import DEG
-from testbed.flight.record import Decision, FlightRecord, ReplanEvent, kept_clear
+from testbed.flight.record import AVOIDING, FlightRecord, ReplanEvent, kept_clear
 from testbed.results import quantities
 from testbed.results.avoidance import Avoidance, avoidance, followed_clearance
 from testbed.results.quantities import Closest, extreme, root_mean_square
@@ -66,7 +66,7 @@ class Measured:
 
     @property
     def replans(self) -> int:
-        return sum(event.decision == Decision.REPLANNED for event in self.record.events)
+        return sum(event.decision in AVOIDING for event in self.record.events)
 
     @property
     def first_decision(self) -> ReplanEvent | None:
@@ -82,7 +82,7 @@ class Measured:
 
     @property
     def deflection_deg(self) -> float:
-        first = next((event for event in self.record.events if event.decision == Decision.REPLANNED), None)
+        first = next((event for event in self.record.events if event.decision in AVOIDING), None)
         return first.deflection_rad / DEG if first else NAN
 
     @property

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from vosc.cone import exact_cones
-from vosc.encounter import Obstacle, Own
+from vosc.encounter import Obstacle, Own, threatening
 from vosc.free import nearest_free
 from vosc.methods.choice import Choice, Status, none_free
 from vosc.vec import Vec, deflection, norm
@@ -21,7 +21,7 @@ def least_deflection(own: Own, obstacles: Sequence[Obstacle], speed_range_mps: t
     the range, and among equal turns the least change of speed (a grid of 33 speeds, refined round its best). ``ValueError`` unless
     0 < low <= high.
     """
-    cones = exact_cones(own, obstacles)
+    cones = exact_cones(own, threatening(obstacles))
 
     def at_speed(speed: float) -> Vec | None:
         return nearest_free(cones, speed, own.vel_mps)

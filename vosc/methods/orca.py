@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from vosc.cone import Cone
-from vosc.encounter import Obstacle, Own, relative_velocity
+from vosc.encounter import Obstacle, Own, relative_velocity, threatening
 from vosc.free import nearest_free
 from vosc.methods.choice import Choice, Status, undefined
 from vosc.vec import Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
@@ -116,7 +116,7 @@ def orca(
         raise ValueError(f"responsibility: give a share in (0, 1], got {responsibility}")
     if not horizon_s > 0.0:
         raise ValueError(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
-    spaces = [half_space(own, o, responsibility, horizon_s) for o in obstacles]
+    spaces = [half_space(own, o, responsibility, horizon_s) for o in threatening(obstacles)]
     speed = norm(own.vel_mps)
     if not keep_speed:
         point = nearest_in_ball(spaces, own.vel_mps, speed)

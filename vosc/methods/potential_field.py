@@ -8,7 +8,7 @@ to show.
 import math
 from collections.abc import Sequence
 
-from vosc.encounter import Obstacle, Own
+from vosc.encounter import Obstacle, Own, threatening
 from vosc.methods.choice import Choice, Status, undefined
 from vosc.vec import Vec, along, norm, scale, sub, three, unit
 
@@ -26,7 +26,7 @@ def potential_field(
     if not (0.0 < gain < math.inf and 0.0 < reach < math.inf):
         raise ValueError(f"gain, reach: give numbers above 0, got {gain}, {reach}")
     force: Vec = unit(own.vel_mps if goal is None else three("goal", goal))
-    for o in obstacles:
+    for o in threatening(obstacles):
         away = sub(own.pos_m, o.pos_m)
         distance = norm(away)
         ratio = reach * o.radius_m / max(distance - o.radius_m, 1e-6 * o.radius_m)

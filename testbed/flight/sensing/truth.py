@@ -1,13 +1,24 @@
-"""What the planner sees of the traffic: here the truth, within a range of the obstacle's centre."""
+"""The sensor of the paper: the truth, within a range of the obstacle's centre."""
 
 import math
 
-from testbed.campaign.words.settings import Sensor
-from testbed.core.frames import Vec3
-from testbed.flight.traffic.track import Track
+from testbed.flight.plants.base import State, make
+from testbed.flight.sensing.base import NOTHING, Seen, SensorContext
+from testbed.flight.traffic.track import Traffic
 
 
-def detect(sensor: Sensor, tracks: tuple[Track, ...], time_s: float, own_pos: Vec3) -> list[tuple[Track, Vec3]]:
-    """Every obstacle whose centre is within range, with its position now."""
-    within = sensor.range_m
-    return [(track, centre) for track in tracks if math.dist(centre := track.at(time_s), own_pos) <= within]
+class Truth:
+    """Every obstacle whose centre is within range, as it is. Its memory is that range."""
+
+    def start(self, context: SensorContext) -> float:
+        return context.range_m
+
+    def sense(self, memory: float, time_s: float, own: State, traffic: Traffic) -> tuple[float, tuple[Seen, ...]]:
+        """``traffic.at``, written out: most looks see nothing, and this is asked 60 times a second."""
+        seen = NOTHING
+        pos = own[:3]
+        for track in traffic.tracks:
+            moving = track.at(time_s)
+            if moving is not None and math.dist(moving[0], pos) <= memory:
+                seen = (*seen, make(Seen, (track.name, track.radius_m, *moving, time_s)))
+        return memory, seen
