@@ -47,7 +47,7 @@ FAMILIES: dict[str, Family] = {
         Family("planner", "planners", "testbed.flight.planning:PLANNERS", given=0),
         Family("guidance", "guidance", "testbed.flight.guidance:GUIDANCE", given=1),  # its setting: aircraft, speed, step
         Family("plant", "plants", "testbed.flight.plants:PLANTS", given=1),  # its setting: aircraft, start, scene, rates
-        Family("sensor", "sensors", "testbed.flight.sensing:SENSORS", given=4),
+        Family("sensor", "sensors", "testbed.flight.sensing:SENSORS", given=0),
         Family("traffic", "traffic", "testbed.flight.traffic:TRACKS", given=1),  # the obstacle's setting
         Family("study", "studies", "testbed.studies:STUDIES", given=0),
     )
