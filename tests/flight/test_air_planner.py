@@ -11,8 +11,8 @@ from testbed.core.frames import vec3, wind_enu_from_compass
 from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import make_law, make_planner, make_plant, make_sensor, sensor_context, start_of
 from testbed.flight.path import ActivePath
-from testbed.flight.planning.rejoin import resized
 from testbed.flight.planning.context import Context, make_context
+from testbed.flight.planning.rejoin import resized
 from testbed.flight.plants.base import State
 from testbed.flight.record import ReplanEvent
 from testbed.flight.scene import make_scene
@@ -36,7 +36,7 @@ def decide(a_plan: FlightPlan, time_s: float = 3.2, shift: np.ndarray | None = N
     scene = make_scene(a_plan)
     planner, sensor = make_planner(a_plan), make_sensor(a_plan)
     _, seen = sensor.sense(sensor.start(sensor_context(a_plan)), time_s, state, scene.traffic)
-    event = planner.step(planner.start(context(a_plan)), time_s, state, seen, ActivePath(scene.route.curves), 0.0).event
+    _, _, event = planner.step(planner.start(context(a_plan)), time_s, state, seen, ActivePath(scene.route.curves), 0.0)
     assert event is not None
     return event
 
