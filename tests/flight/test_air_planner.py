@@ -36,7 +36,7 @@ def decide(a_plan: FlightPlan, time_s: float = 3.2, shift: np.ndarray | None = N
     scene = make_scene(a_plan)
     planner, sensor = make_planner(a_plan), make_sensor(a_plan)
     _, seen = sensor.sense(sensor.start(sensor_context(a_plan)), time_s, state, scene.traffic)
-    event = planner.step(planner.start(context(a_plan)), time_s, state, seen, ActivePath(scene.route.curves), 0.0).event
+    _, _, event = planner.step(planner.start(context(a_plan)), time_s, state, seen, ActivePath(scene.route.curves), 0.0)
     assert event is not None
     return event
 

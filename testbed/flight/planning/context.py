@@ -60,6 +60,10 @@ class Step(NamedTuple):
     event: ReplanEvent | None = None
 
 
+Answer = tuple[Any, Path | None, ReplanEvent | None]
+"""A ``Step``, or the plain tuple of the same."""
+
+
 class Planner(Protocol):
     """The planner of one flight, made by ``factory(**options)``; its memory goes in and comes out.
 
@@ -73,7 +77,7 @@ class Planner(Protocol):
     def start(self, context: Context) -> Any:
         """Fresh memory."""
 
-    def step(self, memory: Any, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float) -> Step:
+    def step(self, memory: Any, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float) -> Answer:
         """One look of a flight that is at ``s_m`` of ``path``; while the path is one that does not last, at the guidance rate."""
 
 

@@ -31,12 +31,12 @@ from typing import Any, NamedTuple
 
 from testbed.core.frames import Vec3, vec3
 from testbed.flight.path import ActivePath, Path
-from testbed.flight.planning.context import STILL, Context, Step
+from testbed.flight.planning.context import STILL, Answer, Context, Step
 from testbed.flight.planning.decision import Sighting, carried, make_event
 from testbed.flight.planning.rejoin import Rejoin, joined, miss_along, ray
 from testbed.flight.planning.steering import SteeringLaw, arc
 from testbed.flight.planning.watch import Watch
-from testbed.flight.plants.base import State, make
+from testbed.flight.plants.base import State
 from testbed.flight.record import Decision
 from testbed.flight.sensing.base import Seen
 from vosc import Insertion, Own, insertion_point
@@ -47,9 +47,9 @@ NO_ONE: Mapping[str, Seen] = {}
 
 
 class Memory(NamedTuple):
-    """The planner's memory: names of the threats that have been answered, from which arc length of the active path on the flight
-    holds the avoidance direction until it is clear (infinite when it does not), every obstacle as it was last seen once one was
-    answered, and the memory of the law that steers, in a tuple (None when none does).
+    """The planner's memory: names of the threats that have been answered; from which arc length of the active path on the flight
+    looks for the way back (infinite when it does not, and from anywhere while a law steers); every obstacle as it was last seen, for
+    flights that look for one; and the memory of the law that steers, in a tuple (None when none does).
     """
 
     handled: frozenset[str] = frozenset()
@@ -69,23 +69,26 @@ class Replanner:
         part, options = context.method.part, context.method.options
         law: Any = part(**options) if inspect.isclass(part) else None
         self._law: SteeringLaw | None = law
-        self._rejoin, self._watch = Rejoin(context), Watch(context.replan.swell_m)
+        self._comes_back = law is not None or self._settings.answer == "direct" or self._settings.rejoin.when == "clear"
+        self._rejoin, self._alarmed = Rejoin(context), Watch(context.replan.swell_m).alarmed
         return Memory()
 
-    def step(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float) -> Step:
+    def step(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float) -> Answer:
         """One look of a flight that is at ``s_m`` of ``path``: the new path, if there is one, and the event, if something was decided."""
-        if memory.law is None and not seen and s_m < memory.hold_from_s_m:
-            return make(Step, (memory, None, None))
-        if seen and memory.handled:
+        holds = s_m >= memory.hold_from_s_m
+        if not (seen or holds):
+            return memory, None, None
+        handled = memory.handled
+        if self._comes_back and seen and handled:
             memory = memory._replace(known={**memory.known, **{one.name: one for one in seen}})
         if memory.law is not None:
             return self._steered(memory, time_s, state, seen, s_m)
-        if self._watch.alarmed(memory.handled, time_s, state, seen):
+        if self._alarmed(handled, time_s, state, seen):
             own, wind = self._own(time_s, state)
             sightings = [Sighting.of(one, time_s, own, wind, self._settings) for one in seen]
             if any(sighting.obstacle.is_threat and sighting.seen.name not in memory.handled for sighting in sightings):
                 return self._answer(memory, time_s, state, sightings, path, s_m)
-        return self._back(memory, time_s, state, seen) if s_m >= memory.hold_from_s_m else Step(memory)
+        return self._back(memory, time_s, state, seen) if holds else (memory, None, None)
 
     def _own(self, time_s: float, state: State) -> tuple[Own, Vec3]:
         """The aircraft in the planner's frame, and the wind that this frame moves with."""
@@ -105,7 +108,7 @@ class Replanner:
         kind, answer, insertion, new = self._context.method.kind, None, None, None
         if self._law is not None:
             decision = Decision.STEERED
-            memory = memory._replace(law=(self._law.start(self._context),))
+            memory = memory._replace(law=(self._law.start(self._context),), hold_from_s_m=-math.inf)
         else:
             answer, insertion, new, decision = self._avoided(own, wind, sightings, major)
         if new is not None:

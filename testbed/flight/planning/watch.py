@@ -19,9 +19,10 @@ class Watch:
 
     def alarmed(self, handled: Container[str], time_s: float, state: State, seen: Sequence[Seen]) -> bool:
         """May a seen obstacle that is not among ``handled`` be on a collision course, both flying straight on?"""
-        for name, radius, (cx, cy, cz), (ux, uy, uz), since in seen:
-            if name in handled:
+        for one in seen:
+            if one[0] in handled:
                 continue
+            _, radius, (cx, cy, cz), (ux, uy, uz), since = one
             x, y, z, vx, vy, vz = state[:6]
             elapsed, reach = time_s - since, radius + self._swell
             px, py, pz = cx + ux * elapsed - x, cy + uy * elapsed - y, cz + uz * elapsed - z
