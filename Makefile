@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time test fast wheel-test bench report lock clean
+.PHONY: help paper paper-full verify lead-time test fast wheel-test bench report docs lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -65,6 +65,9 @@ bench: $(STAMP) ## time a flight against the bare stepping of its plant
 
 report: $(STAMP) ## write the page and tables of the paper's campaign again, without flying
 	$(BIN)/testbed report reports/runs/paper
+
+docs: $(STAMP) ## write docs/results.md again: every column and signal with its unit and definition
+	$(BIN)/python docs/make_results.py
 
 # No index and no folder of wheels is written down: the hashes say what the packages are, pip's configuration says where they are.
 lock: ## choose versions again: the newest that fit pyproject.toml, for Python 3.11 on x86-64 Linux
