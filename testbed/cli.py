@@ -4,21 +4,59 @@
 """
 
 import contextlib
+import functools
 import os
 import shlex
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NoReturn, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn, TextIO
 
 import typer
+import typer.core
+import typer.main
 
 if TYPE_CHECKING:
     from testbed.campaign import FlightPlan
     from testbed.run.engines import Engine
     from testbed.run.runner import Summary
 
-app = typer.Typer(pretty_exceptions_enable=False, no_args_is_help=True, help="Fly avoidance campaigns and look at what came out.")
+
+class _WithPlugged(typer.core.TyperGroup):
+    """The commands below, and those that are plugged in, which are looked for only where no other has the name."""
+
+    def list_commands(self, ctx: typer.Context) -> list[str]:  # type: ignore[override]
+        from testbed.core import registry
+
+        return list(dict.fromkeys([*super().list_commands(ctx), *registry.names("command")]))
+
+    def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:  # type: ignore[override]
+        from testbed.core import plugins, registry
+
+        if (own := super().get_command(ctx, cmd_name)) is not None:
+            return own
+        with contextlib.suppress(registry.UnknownPartError, plugins.PluginError):
+            plugged = typer.Typer(pretty_exceptions_enable=False, add_completion=False)
+            plugged.command(cmd_name)(_printing(registry.part("command", cmd_name)))
+            return typer.main.get_command(plugged)
+        return None
+
+
+def _printing(command: Callable[..., Iterable[str]]) -> Callable[..., None]:
+    """A command that is plugged in, with its lines printed, and its bad input told like everybody's."""
+
+    @functools.wraps(command)
+    def call(*arguments: Any, **options: Any) -> None:
+        with _bad_input():
+            for line in command(*arguments, **options):
+                _say(line)
+
+    return call
+
+
+app = typer.Typer(
+    cls=_WithPlugged, pretty_exceptions_enable=False, no_args_is_help=True, help="Fly avoidance campaigns and look at what came out."
+)
 
 CRASHED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
@@ -282,16 +320,6 @@ def bench() -> None:
     from testbed.run.bench import bench as measure
 
     _say(measure())
-
-
-@app.command()
-def audit(out: Annotated[Path, typer.Option(help="Where audit.csv and audit.html go.")] = Path("reports/paper")) -> None:
-    """Put every number that the paper prints to the test, under named readings."""
-    with _bad_input():
-        from testbed.studies.scoam.audit.report import write_audit
-
-        for file in write_audit(out):
-            _say(str(file))
 
 
 @app.command()

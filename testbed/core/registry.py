@@ -50,6 +50,7 @@ FAMILIES: dict[str, Family] = {
         Family("sensor", "sensors", "testbed.flight.sensing:SENSORS", given=0),
         Family("traffic", "traffic", "testbed.flight.traffic:TRACKS", given=1),  # the obstacle's setting
         Family("study", "studies", "testbed.studies:STUDIES", given=0),
+        Family("command", "commands", "testbed.studies:COMMANDS", given=0),  # of `testbed`; what it returns are lines to print
     )
 }
 

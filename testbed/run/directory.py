@@ -12,11 +12,10 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 LOCK = ".lock"
-OURS = (
-    *("campaign.yaml", "plan.json", "rows.jsonl", "timings.csv"),
-    *("results.csv", "results.parquet", "checks.csv", "verdict.csv", "lead_time.csv", "index.html"),
-)
+OURS = ("campaign.yaml", "plan.json", "rows.jsonl", "timings.csv", "results.csv", "results.parquet", "checks.csv", "index.html")
 MANIFEST = "manifest.json"
+STUDY_FILES = "study_files"
+"""Key of the manifest: names of the files that the campaign's study has written beside ours."""
 
 
 class BadInputError(Exception):
@@ -86,8 +85,16 @@ class RunDirectory:
         """Remove a former run, and nothing else."""
         for kept in (*self.recordings.glob("*.rrd*"), *self.columns.glob("*.parquet*"), *(self / "plugins").glob("*.py")):
             kept.unlink()
-        for name in (*OURS, MANIFEST):
+        for name in (*self._of_study(), *OURS, MANIFEST):
             (self / name).unlink(missing_ok=True)
+
+    def _of_study(self) -> list[str]:
+        """What a study has written, as far as a manifest that may be damaged can tell."""
+        try:
+            said = self.load(MANIFEST)[STUDY_FILES]
+            return [name for name in said if is_plain(name)]
+        except (BadInputError, TypeError, KeyError):
+            return []
 
     def put(self, name: str, data: bytes) -> None:
         """Write a file so that a reader, or the next run, sees the old one or the new one and nothing between."""
@@ -113,3 +120,8 @@ def _sync_names(folder: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def is_plain(name: Any) -> bool:
+    """Whether it names a file in the run directory itself, and none that is hidden."""
+    return isinstance(name, str) and Path(name).name == name and not name.startswith(".")

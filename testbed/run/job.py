@@ -1,6 +1,5 @@
 """One flight of a campaign from plan to row: fly, measure, record. A bug becomes a row too."""
 
-import math
 import time
 import traceback
 from collections.abc import Callable
@@ -53,19 +52,16 @@ def crashed(job: Job, message: str, details: str) -> JobResult:
     return JobResult(_identity(job.plan) | metrics | _story([], message, details, None), None, {})
 
 
-def _search(plan: FlightPlan) -> JobResult:
-    """A search for the least lead: its row has ``lead`` in the place of the metrics of a flight."""
-    from testbed.studies.lead_time.search import search
-
+def _flown_by_study(plan: FlightPlan) -> JobResult:
+    """Of a study whose unit is not one flight: its row has ``found`` in the place of the metrics of a flight."""
     timings: dict[str, float] = {}
-    found = _timed(timings, "search", lambda: search(plan))
-    outcome = "found" if math.isfinite(found.lead_s) else "not_found"
-    return JobResult(_identity(plan) | {"outcome": outcome, "lead": asdict(found)} | _story([], "", "", None), None, timings)
+    outcome, found = _timed(timings, "fly", lambda: plan.study.made(plan.plugins).fly(plan))
+    return JobResult(_identity(plan) | {"outcome": outcome, "found": found} | _story([], "", "", None), None, timings)
 
 
 def _run(job: Job) -> JobResult:
-    if job.plan.lead_time is not None:
-        return _search(job.plan)
+    if job.plan.study.part.flies:
+        return _flown_by_study(job.plan)
     from testbed.flight.fly import fly
     from testbed.results.metrics import measure
 

@@ -88,8 +88,8 @@ def decode(line: bytes) -> JobResult:
     """The inverse of ``encode``, apart from tuples, which come back as lists."""
     data = json.loads(line)
     row: Row = data["row"]
-    if "lead" in row:
-        row["lead"] = {name: _numbers(value) for name, value in row["lead"].items()}
+    if "found" in row:
+        row["found"] = {name: _numbers(value) for name, value in row["found"].items()}
     else:
         _restore(row, FlightMetrics)
     for event in row["events"]:

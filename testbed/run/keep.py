@@ -47,16 +47,13 @@ def _is_kept(plan: FlightPlan, kept: str | None) -> bool:
 
 
 def _drawn(campaign: Campaign, plans: Sequence[FlightPlan]) -> tuple[str, ...]:
-    """The flights in the pictures of a verdict: of these alone it keeps recordings, unless it is to keep all or none."""
-    if campaign.verdict is None:
-        return ()
-    from testbed.studies.scoam.page.pictures import shown
-
-    return tuple(plan.flight_id for plan in plans if shown(plan.labels, plan.replicate) is not None)
+    """The flights in the pictures of the study: of these alone it keeps recordings, unless it is to keep all or none."""
+    study = campaign.study.made()
+    return tuple(plan.flight_id for plan in plans if study.draws(plan))
 
 
 def _series_kept(campaign: Campaign, plans: Sequence[FlightPlan], drawn: Sequence[str]) -> set[str]:
-    """The flights that a verdict draws, and then fairly: no part goes without because one before it has many cells."""
+    """The flights that a study draws, and then fairly: no part goes without because one before it has many cells."""
     return set(islice(chain(drawn, _in_turn(campaign, plans)), max(SERIES, len(drawn))))
 
 

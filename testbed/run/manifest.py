@@ -5,7 +5,7 @@ from typing import Any
 
 from testbed.campaign.words.settings import Campaign
 from testbed.run import identity
-from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
+from testbed.run.directory import MANIFEST, STUDY_FILES, BadInputError, RunDirectory
 from testbed.run.world import World
 
 IDENTITY = ("plan", "code", "versions", "plugins", "aircraft")
@@ -48,6 +48,7 @@ def new(campaign: Campaign, source: str, overrides: tuple[str, ...], plan: dict[
         **identity.revision(),
         "platform": identity.machine(),
         "aircraft": identity.aircraft_hashes(flight["aircraft"] for flight in plan["flights"]),
+        STUDY_FILES: [],
         "history": [],
     }
 
@@ -57,7 +58,7 @@ def load(directory: RunDirectory) -> Manifest:
     manifest = directory.load(MANIFEST)
     try:
         _ = [manifest[key] for key in (*SHOWN, "history")] + [manifest["identity"][key] for key in IDENTITY]
-        _ = manifest["aircraft_path"]
+        _ = manifest["aircraft_path"], manifest[STUDY_FILES]
     except (TypeError, KeyError):
         raise BadInputError(f"{directory / MANIFEST}: damaged; start again with --fresh, or into another directory with --out") from None
     return manifest
@@ -66,6 +67,14 @@ def load(directory: RunDirectory) -> Manifest:
 def save(directory: RunDirectory, manifest: Manifest) -> None:
     """Write it, whole."""
     directory.put(MANIFEST, json.dumps(manifest, indent=2).encode() + b"\n")
+
+
+def own(directory: RunDirectory, manifest: Manifest, names: list[str]) -> None:
+    """Note which files the study writes, before it does: a run removes nothing that it has not written."""
+    every = sorted({*manifest[STUDY_FILES], *names})
+    if every != manifest[STUDY_FILES]:
+        manifest[STUDY_FILES] = every
+        save(directory, manifest)
 
 
 def refuse_another(directory: RunDirectory, manifest: Manifest, plan: dict[str, Any], world: World) -> None:

@@ -33,8 +33,8 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
         hint = "there are " + ", ".join(plan.flight_id for plan in (matches or plans)[:5]) + (", ..." if len(matches or plans) > 5 else "")
         raise BadInputError(f"{path}: {'several flights begin with' if matches else 'no flight'} '{flight_id}'; {hint}")
     plan = matches[0]
-    if plan.lead_time is not None:
-        raise BadInputError(f"{path}: '{plan.flight_id}' is a search of many flights, and cannot be replayed as one")
+    if plan.study.part.flies:
+        raise BadInputError(f"{path}: '{plan.flight_id}' is what the study '{plan.study.kind}' flies, and cannot be replayed as one flight")
     recording = (out or directory.recordings / f"{plan.flight_id}.rrd").resolve()
     stored = rows_of(directory).get(plan.flight_id)
     ((_, again),) = LocalEngine(1).imap(

@@ -13,7 +13,7 @@ from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.flight.record import Outcome
 from testbed.run import identity, journal, keep, manifest
 from testbed.run import world as world_files
-from testbed.run.directory import BadInputError, RunDirectory
+from testbed.run.directory import RunDirectory
 from testbed.run.engines import Died, Engine
 from testbed.run.job import Job, JobResult, crashed, run_job
 from testbed.run.manifest import Manifest
@@ -70,8 +70,6 @@ def run(order: Order) -> Summary:
 
     campaign = load_campaign(order.source, overrides=order.overrides)
     plans = list(expand(campaign))
-    if len({plan.lead_time is None for plan in plans}) > 1:
-        raise BadInputError(f"{order.source}: either all of a campaign's flights are searches (lead_time) or none is")
     plan = {"campaign": campaign.model_dump(mode="json"), "flights": [flight.model_dump(mode="json") for flight in plans]}
     world = world_of(campaign, plans)
     text = order.source.read_bytes()  # before --fresh removes anything: the campaign may be the run's own copy

@@ -1,46 +1,70 @@
-"""From the rows of a run to its files: tables, page, checks, verdict. In plan order; the same bytes for the same rows."""
+"""From the rows of a run to its files: tables, checks, page, those of its study. In plan order; the same bytes for the same rows."""
 
 import csv
 import io
-import math
-import statistics
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from testbed.campaign.words.settings import Campaign, FlightPlan
-from testbed.run.directory import RunDirectory
+from testbed.run import manifest
+from testbed.run.directory import MANIFEST, OURS, BadInputError, RunDirectory, is_plain
 from testbed.run.job import JobResult
 from testbed.run.manifest import Manifest, provenance
+from testbed.studies.study import Run, Written
 
 if TYPE_CHECKING:
     from testbed.results.checks import CheckResult
-    from testbed.show.assets import Lead
 
 
 def write_results(
     directory: RunDirectory, about: Manifest, campaign: Campaign, plans: Sequence[FlightPlan], by_id: dict[str, JobResult]
 ) -> "tuple[CheckResult, ...]":
     """Write what follows from the rows there are; returns the lines of the campaign's check."""
-    from testbed.results import tables
-    from testbed.show.page import render_page
-
     flown = [plan for plan in plans if plan.flight_id in by_id]
     results = [by_id[plan.flight_id] for plan in flown]
-    if any(plan.lead_time for plan in plans):
-        directory.put("timings.csv", _timings(results))
-        _lead_time(directory, about, campaign, flown, results, len(plans))
-        return ()
     rows = [result.row for result in results]
-    table = tables.table(rows, tables.axis_kinds(plan.labels for plan in plans))
-    directory.put("results.csv", tables.csv_bytes(table))
-    directory.put("results.parquet", tables.parquet_bytes(table))
-    directory.put("timings.csv", _timings(results))
     series = {result.row["flight_id"]: result.series for result in results if result.series is not None}
-    checks = _check(directory, campaign, flown, results, len(plans))
-    lead = _verdict(directory, campaign, results)
-    page = render_page(campaign, rows, series, provenance(about, len(plans), len(rows)), checks, lead)
+    told = provenance(about, len(plans), len(rows))
+    directory.put("timings.csv", _timings(results))
+    checks: tuple[CheckResult, ...] = ()
+    if not campaign.study.part.flies:
+        from testbed.results import tables
+
+        table = tables.table(rows, tables.axis_kinds(plan.labels for plan in plans))
+        directory.put("results.csv", tables.csv_bytes(table))
+        directory.put("results.parquet", tables.parquet_bytes(table))
+        checks = _check(directory, campaign, flown, results, len(plans))
+    made = _studied(campaign, Run(campaign, flown, rows, [result.timings for result in results], series, told))
+    manifest.own(directory, about, list(made.files))
+    for name, data in made.files.items():
+        directory.put(name, data)
+    page = made.page
+    if page is None:
+        from testbed.show.page import render_page
+
+        page = render_page(campaign, rows, series, told, checks, made.lead)
     directory.put("index.html", page.encode())
     return checks
+
+
+def _studied(campaign: Campaign, run: Run) -> Written:
+    """What the campaign's study makes of the run. One in a file of the user's own may do so wrongly."""
+    study, kind = campaign.study.made(), campaign.study.kind
+    try:
+        made = study.write(run)
+    except Exception as bug:
+        if ":" not in kind:
+            raise
+        raise BadInputError(
+            f"the study '{kind}' fails to write: {type(bug).__name__}: {bug}; the flights are kept, `testbed report` writes again"
+        ) from bug
+    if not isinstance(made, Written):
+        raise BadInputError(f"the study '{kind}' writes {type(made).__name__}, and no testbed.studies.study.Written")
+    if wrong := [str(name) for name in made.files if not is_plain(name) or name in (*OURS, MANIFEST)]:
+        raise BadInputError(f"the study '{kind}' cannot write files of these names: {', '.join(wrong)}")
+    if study.flies and made.page is None:
+        raise BadInputError(f"the study '{kind}' flies by itself, and has to write a page of its own")
+    return made
 
 
 def _check(
@@ -55,43 +79,6 @@ def _check(
     lines = checks.judge(campaign.check, flights, planned)
     directory.put("checks.csv", checks.csv_bytes(campaign.check.kind, lines))
     return lines
-
-
-def _verdict(directory: RunDirectory, campaign: Campaign, results: Sequence[JobResult]) -> "Lead | None":
-    """What leads the page of a verdict, also written to ``verdict.csv``; nothing if none is asked for."""
-    if campaign.verdict is None:
-        return None
-    from testbed.studies.scoam.page import render
-    from testbed.studies.scoam.pose import event_reach
-    from testbed.studies.scoam.verdict import csv_bytes, judge
-
-    rows = [result.row for result in results]
-    found = judge(rows, event_reach, _answer_ms(results))
-    directory.put("verdict.csv", csv_bytes(found))
-    return render(found, rows, {result.row["flight_id"]: result.series for result in results if result.series is not None})
-
-
-def _lead_time(
-    directory: RunDirectory, about: Manifest, campaign: Campaign, plans: Sequence[FlightPlan], results: Sequence[JobResult], planned: int
-) -> None:
-    """The lines and the page of a lead-time study: its flights are searches."""
-    from testbed.studies.lead_time.line import Searches, csv_text, line_of
-    from testbed.studies.lead_time.page import page_text
-
-    found = zip(plans, results, strict=True)
-    lines = tuple(line_of(plan, result.row) for plan, result in found if "lead" in result.row)
-    study = Searches(campaign.question, campaign.seed, lines, provenance(about, planned, len(results)))
-    directory.put("lead_time.csv", csv_text(lines).encode())
-    directory.put("index.html", page_text(study).encode())
-
-
-def _answer_ms(results: Sequence[JobResult]) -> float:
-    """What an answer of the planner typically costs: the median over flights, rounded up to a power of ten, at least 10 ms.
-
-    A time of the computer would make every page another one; its order of magnitude does not. NaN without answers.
-    """
-    costs = [result.timings["fly.answer"] for result in results if result.timings.get("fly.answer", 0.0) > 0.0]
-    return 10.0 ** max(1, math.ceil(math.log10(1e3 * statistics.median(costs)))) if costs else math.nan
 
 
 def _timings(results: Sequence[JobResult]) -> bytes:

@@ -1,3 +1,14 @@
-"""One folder for each question that a campaign can be judged by, and a line in ``STUDIES``."""
+"""One folder for each question that a campaign can be judged by, and a line in ``STUDIES``; ``study.py`` is what they have in common.
 
-STUDIES: dict[str, str] = {}
+What a study can do without a campaign is a command of `testbed`, and a line in ``COMMANDS``.
+"""
+
+STUDIES: dict[str, str] = {
+    "none": "testbed.studies.study:Study",
+    "scoam": "testbed.studies.scoam.study:Scoam",
+    "lead_time": "testbed.studies.lead_time.study:LeadTimeStudy",
+}
+
+COMMANDS: dict[str, str] = {
+    "audit": "testbed.studies.scoam.audit.command:audit",
+}

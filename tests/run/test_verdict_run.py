@@ -58,7 +58,7 @@ def test_verdict_and_page_are_the_same_bytes_with_one_and_two_workers_and_verify
 def test_the_shipped_campaign_flies_what_the_verdict_asks_for() -> None:
     """Every label that docs/verdict.md names for a part is there, and nothing else; both wind designs, three speeds, eight directions."""
     campaign = load_campaign(SHIPPED)
-    assert campaign.verdict == "paper"
+    assert campaign.study.kind == "scoam"
     wind = campaign.parts["wind"].sweep
     assert [len(wind[axis]) for axis in ("design", "wind_mps", "wind_from")] == [2, 3, 8]
     assert set(campaign.parts["calm"].sweep["encounter"]) == {

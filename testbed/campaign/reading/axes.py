@@ -7,7 +7,7 @@ from typing import Any
 
 from testbed.campaign.reading.document import Assignment
 from testbed.campaign.reading.nodes import Tree
-from testbed.campaign.reading.problems import Problem, Spot, did_you_mean
+from testbed.campaign.reading.problems import NOWHERE, Problem, Spot, did_you_mean
 from testbed.campaign.reading.vocabulary import path_fault
 from testbed.campaign.words.settings import FlightSettings
 
@@ -17,10 +17,11 @@ MAX_LABEL = 40
 
 @dataclass(frozen=True)
 class Level:
-    """One value of an axis: its label and what it assigns."""
+    """One value of an axis: its label, what it assigns, and where the label is written."""
 
     label: str
     assignments: tuple[Assignment, ...]
+    spot: Spot = NOWHERE
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def _list_axis(path: str, tree: Tree, spot: Spot, where: str) -> tuple[Axis, lis
         seen.add(text)
         label = _label(text, taken)
         taken.add(label)
-        levels.append(Level(label, (Assignment(path, item, name, spot, item.spot),)))
+        levels.append(Level(label, (Assignment(path, item, name, spot, item.spot),), item.spot))
     return Axis(path, tuple(levels), spot), problems
 
 
@@ -108,7 +109,7 @@ def _named_axis(axis: str, tree: Tree, spot: Spot, where: str) -> tuple[Axis, li
             continue
         assignments, found = settings_of(settings, f"{where}.{label}")
         problems += found
-        levels.append(Level(label, tuple(assignments)))
+        levels.append(Level(label, tuple(assignments), label_spot))
     return Axis(axis, tuple(levels), spot), problems
 
 

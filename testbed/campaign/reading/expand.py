@@ -24,6 +24,9 @@ from testbed.core import registry
 Encounter = Callable[[float, int, int], dict[str, Any]]
 """From own speed (m/s), seed and replicate to an obstacle."""
 
+ONCE_SAID = {"lead_time": None}
+"""What was said of an ordinary flight before there were studies, and is part of its identity still: it is the same flight."""
+
 PlannedCell = tuple[Cell, Document, FlightPlan | list[Fault]]
 
 
@@ -71,7 +74,14 @@ def with_origins(plan: FlightPlan) -> FlightPlan:
 
 
 def _identity(plan: FlightPlan) -> dict[str, Any]:
-    return plan.model_dump(mode="json", exclude={"flight_id": True, "campaign": True, **_unsaid(plan)})
+    """All that is flown. A study that only judges is no part of it: the same flight can be judged by another."""
+    said = plan.model_dump(mode="json", exclude={"flight_id": True, "campaign": True, **_unsaid(plan)})
+    if plan.plugins and "study" not in said:
+        flown = registry.origins((section.family, section.kind) for section in plan.plugged if section is not plan.study)
+        said["plugins"] = {name: plan.plugins[name] for name in flown}
+    if not said.get("plugins"):
+        said.pop("plugins", None)
+    return said if "study" in said else said | ONCE_SAID
 
 
 def _unsaid(plan: FlightPlan) -> dict[str, Any]:
@@ -83,6 +93,8 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         unsaid["plugins"] = True
     if plan.planner == PlannerSpec():
         unsaid["planner"] = True
+    if not plan.study.part.flies:
+        unsaid["study"] = True
     if plain := {k: {"kind", "options"} for k, spec in enumerate(plan.obstacles) if spec.kind == "straight" and not spec.options}:
         unsaid["obstacles"] = plain
     for name in FlightSettings.model_fields:

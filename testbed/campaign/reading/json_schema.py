@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-from testbed.campaign.reading.vocabulary import keys
+from testbed.campaign.reading.vocabulary import OF_THE_CAMPAIGN, keys
 from testbed.campaign.words.settings import Campaign, FlightSettings
 
 Json = dict[str, Any]
@@ -60,7 +60,8 @@ def _paths(document: Json) -> list[tuple[str, Json]]:
     def visit(kind: Any, properties: Json, prefix: str) -> None:
         for name, annotation in keys(kind).items():
             value = {key: part for key, part in properties[name].items() if key not in ("default", "title")}
-            found.append((f"{prefix}{name}", value))
+            if f"{prefix}{name}" not in OF_THE_CAMPAIGN:
+                found.append((f"{prefix}{name}", value))
             visit(annotation, _properties(value, document), f"{prefix}{name}.")
 
     visit(FlightSettings, document["properties"], "")

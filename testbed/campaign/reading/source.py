@@ -7,6 +7,7 @@ from pathlib import Path
 from testbed.campaign.reading.blocks import Block, blocks_of, no_such_part, size_problems
 from testbed.campaign.reading.document import Assignment, Document, Fault, NoSuchObstacleError, faults
 from testbed.campaign.reading.findings import combination_problems, level_problems
+from testbed.campaign.reading.labels import label_problems
 from testbed.campaign.reading.nodes import Tree, parse, read_text
 from testbed.campaign.reading.problems import Problem, Source, SpecError, Spot
 from testbed.campaign.reading.vocabulary import path_fault
@@ -50,7 +51,7 @@ def load_campaign(path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
     campaign = Campaign.model_validate(document.data)
     grid = "parts" if campaign.parts else "sweep"
     too_many = size_problems(blocks, campaign, tree.key_spot(grid) if grid in tree.inside else tree.spot)
-    if found_late := too_many or combination_problems(campaign, tree, blocks):
+    if found_late := too_many or label_problems(campaign, tree, blocks) + combination_problems(campaign, tree, blocks):
         raise SpecError(found_late)
     return campaign
 

@@ -8,9 +8,13 @@ from pydantic import BaseModel
 
 from testbed.campaign.reading.problems import did_you_mean
 from testbed.campaign.words.settings import Campaign, FlightSettings
+from testbed.campaign.words.study import formerly
 
 Loc = tuple[str | int, ...]
 """Where a value stands in the data: keys and indices from the top."""
+
+OF_THE_CAMPAIGN = ("study", "study.kind")
+"""Settings that all flights of a campaign have alike: no axis, part or draw changes them."""
 
 UNITS = {"_mps": "m/s", "_deg": "deg", "_hz": "Hz", "_m": "m", "_s": "s"}
 
@@ -80,12 +84,16 @@ def path_fault(path: str, root: type[FlightSettings]) -> tuple[str, str] | None:
     """(message, hint) about a dotted path that leads nowhere in ``root``; None for a good one. Obstacle names are not checked."""
     parts: Sequence[str] = path.split(".")
     kind: Any = root
+    if root is FlightSettings and path in OF_THE_CAMPAIGN:
+        return f"'{path}' belongs to the campaign as a whole, not to a flight", "study.options.<name> can differ"
     for i, part in enumerate(parts):
         known = keys(kind)
         prefix = "".join(f"{before}." for before in parts[:i])
         if known and part not in known:
             if i == 0 and part in Campaign.model_fields:
                 return f"'{part}' belongs to the campaign as a whole, not to a flight", ""
+            if i == 0 and (instead := formerly(part)):
+                return f"unknown setting '{path}'", f"write {instead}"
             hint = did_you_mean(part, known, prefix, "".join(f".{after}" for after in parts[i + 1 :]))
             return f"unknown setting '{path}'", hint or f"known{f' in {prefix[:-1]}' if prefix else ''}: {', '.join(known)}"
         origin = get_origin(members(kind)[0])

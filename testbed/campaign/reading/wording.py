@@ -8,6 +8,7 @@ from pydantic_core import ErrorDetails
 
 from testbed.campaign.reading.problems import did_you_mean
 from testbed.campaign.reading.vocabulary import Loc, keys, members, unit_of, untagged
+from testbed.campaign.words.study import formerly
 
 _BOUNDS = {
     "greater_than": ("gt", "more than"),
@@ -63,6 +64,8 @@ def worded(error: ErrorDetails) -> tuple[Loc, str, str]:
     loc, holder = untagged(error["loc"][:-1] if error["loc"][-1:] == ("[key]",) else error["loc"])
     if kind == "extra_forbidden":
         known = list(keys(holder))
+        if len(loc) == 1 and (instead := formerly(str(loc[0]))):
+            return loc, f"unknown key '{loc[0]}'", f"write {instead}"
         return loc, f"unknown key '{loc[-1]}'", did_you_mean(str(loc[-1]), known) or f"known here: {', '.join(known)}"
     if kind in ("missing", "too_long", "too_short"):
         return _incomplete(loc, kind, value, context)

@@ -13,10 +13,10 @@ from pydantic_core import PydanticCustomError
 from testbed.campaign.words.air import Air
 from testbed.campaign.words.check import Check
 from testbed.campaign.words.grid import Grid, Kept, Part, Replicates
-from testbed.campaign.words.lead_time import LeadTime
 from testbed.campaign.words.planning import MethodSpec, PlannerSpec, Replan, Sensor
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Route
+from testbed.campaign.words.study import StudySpec
 from testbed.core.catalogue import aircraft_folders
 from testbed.core.section import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
 
@@ -203,15 +203,15 @@ class FlightSettings(Section):
     """The air that every plant flies in."""
     vary: Vary = Vary()
     """How far the aircraft's data are off those that its gains were made for. A kinematic plant has none of them."""
-    lead_time: LeadTime | None = None
-    """Instead of a flight, search for the least lead that suffices."""
+    study: StudySpec = StudySpec()
+    """What judges the flights, and what it leads the page with."""
 
-    @field_validator("lead_time")
+    @field_validator("study")
     @classmethod
-    def _can_be_searched(cls, lead_time: LeadTime | None, info: ValidationInfo) -> LeadTime | None:
-        if lead_time is not None and (why := lead_time.unfit(info.data)):
+    def _can_be_judged(cls, study: StudySpec, info: ValidationInfo) -> StudySpec:
+        if why := study.unfit(info.data):
             raise ValueError(why)
-        return lead_time
+        return study
 
 
 class Campaign(Grid, FlightSettings):
@@ -235,8 +235,6 @@ class Campaign(Grid, FlightSettings):
     """Which flights leave their raw columns, from which reports/verify computes the results again."""
     check: Check | None = None
     """For a campaign that checks the testbed: how it is judged."""
-    verdict: Literal["paper"] | None = None
-    """paper: what becomes of the paper's claims leads the page, and verdict.csv is written (docs/verdict.md)."""
     plugins: tuple[Annotated[str, Field(min_length=1)], ...] = ()
     """Python files with parts of one's own, relative to this file: [./tangent.py] gives the kinds "tangent:<name>"."""
     parts: dict[Name, Part] = {}  # noqa: RUF012 (pydantic copies it)

@@ -7,7 +7,9 @@ import numpy as np
 
 from testbed.campaign.words.population import MOST_DRAWS, NAME, draws, perpendicular
 from testbed.campaign.words.settings import FlightPlan, ObstacleSpec, When
+from testbed.campaign.words.study import StudySpec
 from testbed.core.frames import direction_deg, unit_from_direction, vec3
+from testbed.studies.lead_time.options import LeadTime
 
 Array = np.ndarray
 
@@ -40,8 +42,7 @@ class Encounter:
 
 def drawn(plan: FlightPlan) -> Encounter:
     """The encounter of a plan's seed and replicate: nothing that is compared has a part in it. Raises ``ValueError`` if there is none."""
-    study = plan.lead_time
-    assert study is not None
+    study = LeadTime.of(plan)
     own = plan.speed_mps * np.array(unit_from_direction(*plan.route.start_direction_deg))
     for one in draws(plan.seed, plan.replicate, study.obstacle_speed_mps, study.radius_m):
         velocity = one.speed_mps * one.direction
@@ -59,8 +60,7 @@ def at_lead(plan: FlightPlan, encounter: Encounter, lead_s: float) -> FlightPlan
     The horizon is half a look of the planner more than the lead, and a look falls on the lead exactly: in straight flight the look
     before it is too early by half a look, so the trigger hangs on no rounding.
     """
-    assert plan.lead_time is not None
-    at_s = plan.lead_time.run_up_s + lead_s
+    at_s = LeadTime.of(plan).run_up_s + lead_s
     along = np.array(unit_from_direction(*plan.route.start_direction_deg))
     own = np.array(plan.route.start_enu_m) + ((plan.begin.at_route_s_m or 0.0) + plan.speed_mps * at_s) * along
     obstacle = ObstacleSpec(
@@ -72,4 +72,4 @@ def at_lead(plan: FlightPlan, encounter: Encounter, lead_s: float) -> FlightPlan
         when=When(time_s=at_s),
     )
     replan = plan.replan.model_copy(update={"horizon_s": lead_s + 0.5 / plan.rates.planner_hz})
-    return plan.model_copy(update={"obstacles": (obstacle,), "replan": replan, "lead_time": None})
+    return plan.model_copy(update={"obstacles": (obstacle,), "replan": replan, "study": StudySpec()})

@@ -3,13 +3,14 @@
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 from testbed.campaign.words.grid import PART
 from testbed.campaign.words.settings import FlightPlan
 from testbed.flight.record import inside
+from testbed.studies.lead_time.options import LeadTime
 from testbed.studies.lead_time.search import Found
 
 ONLY = {
@@ -75,9 +76,9 @@ class Searches:
     provenance: dict[str, Any]
 
 
-def line_of(plan: FlightPlan, row: dict[str, Any]) -> Line:
+def line_of(plan: FlightPlan, row: Mapping[str, Any]) -> Line:
     """A row of the journal, with what its plan says."""
-    assert plan.lead_time is not None
+    study = LeadTime.of(plan)
     wind, turbulence = plan.air.wind, plan.air.turbulence
     kinematic = plan.plant.kind == "kinematic"
     answer = plan.replan.answer
@@ -93,10 +94,10 @@ def line_of(plan: FlightPlan, row: dict[str, Any]) -> Line:
         wind_from_deg=wind.from_deg if wind.kind == "steady" else math.nan,
         turbulence="none" if turbulence.kind == "none" else turbulence.severity,
         encounter=plan.replicate,
-        leads_s=plan.lead_time.leads_s,
-        run_up_s=plan.lead_time.run_up_s,
-        tolerance_s=plan.lead_time.tolerance_s,
-        found=Found(**row["lead"]),
+        leads_s=study.leads_s,
+        run_up_s=study.run_up_s,
+        tolerance_s=study.tolerance_s,
+        found=Found(**row["found"]),
     )
 
 

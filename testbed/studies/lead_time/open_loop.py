@@ -23,6 +23,7 @@ import numpy as np
 from testbed.campaign.words.air import Air
 from testbed.campaign.words.planning import MethodSpec
 from testbed.campaign.words.settings import FlightPlan
+from testbed.campaign.words.study import StudySpec
 from testbed.core.units import DEG
 from testbed.flight.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.fly import make_plant, start_of
@@ -57,7 +58,7 @@ def manoeuvres(plan: FlightPlan) -> Manoeuvres:
             "obstacles": (),
             "method": MethodSpec(kind="none"),
             "air": Air(wind=plan.air.wind),
-            "lead_time": None,
+            "study": StudySpec(),
             **dict.fromkeys(("flight_id", "campaign", "cell"), ""),
             "labels": {},
             "replicate": 0,

@@ -14,6 +14,7 @@ from testbed.flight.record import Outcome, inside
 from testbed.results.quantities import closest_approach
 from testbed.studies.lead_time.encounter import Encounter, at_lead, drawn
 from testbed.studies.lead_time.open_loop import best_lead, manoeuvres
+from testbed.studies.lead_time.options import LeadTime
 
 LOST = (Outcome.DIVERGED, Outcome.HIT_GROUND, Outcome.TRIM_FAILED)
 
@@ -37,9 +38,8 @@ class Found:
 
 
 def search(plan: FlightPlan) -> Found:
-    """Fly the encounter of a plan that has ``lead_time`` with as many leads as it takes."""
-    study = plan.lead_time
-    assert study is not None
+    """Fly the encounter of a plan with as many leads as it takes."""
+    study = LeadTime.of(plan)
     encounter = drawn(plan)
     flown: dict[float, float] = {}
 

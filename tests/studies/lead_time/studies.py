@@ -12,7 +12,7 @@ HEAD_WIND: dict[str, Any] = {"air": {"wind": {"kind": "steady", "speed_mps": 10.
 SIDE_WIND: dict[str, Any] = {"air": {"wind": {"kind": "steady", "speed_mps": 10.0, "from_deg": 20.0}}}
 
 
-def study(**changes: Any) -> FlightPlan:
+def study(options: dict[str, Any] = STUDY, **changes: Any) -> FlightPlan:
     """A search on a straight level route, with changes."""
     who = {"flight_id": "test", "campaign": "test", "cell": "test", "labels": {}, "replicate": 0, "seed": 20210}
     settings: dict[str, Any] = {
@@ -20,6 +20,6 @@ def study(**changes: Any) -> FlightPlan:
         "sensor": {"range_m": 10000},
         "traffic": {"in_wind": "anchored"},
         "replan": {"rejoin": {"when": "clear"}},
-        "lead_time": STUDY,
+        "study": {"kind": "lead_time", "options": options},
     }
     return FlightPlan.model_validate(who | settings | changes)

@@ -45,7 +45,7 @@ def test_entry_is_where_straight_flight_enters_the_sphere() -> None:
 
 @pytest.mark.parametrize("air", [{}, HEAD_WIND, SIDE_WIND], ids=["calm", "head_wind", "side_wind"])
 def test_without_a_planner_the_closest_approach_is_the_lead_after_the_trigger(air: dict) -> None:
-    plan = study(method={"kind": "none"}, lead_time=STUDY | {"run_up_s": 0.5}, **RAILS, **air)
+    plan = study(method={"kind": "none"}, options=STUDY | {"run_up_s": 0.5}, **RAILS, **air)
     one = drawn(plan)
     row = measure(fly(at_lead(plan, one, 1.37)))
     assert row.time_at_least_clearance_s == pytest.approx(0.5 + 1.37, abs=1e-6)
@@ -62,7 +62,7 @@ def triggered(plan: FlightPlan, lead_s: float) -> tuple[float, float]:
 @pytest.mark.parametrize("run_up_s", [0.0, 0.5])
 def test_the_trigger_falls_on_the_lead(air: dict, run_up_s: float) -> None:
     """Not a look earlier or later, also for leads that are no multiple of a look."""
-    plan = study(lead_time=STUDY | {"run_up_s": run_up_s}, **RAILS, **air)
+    plan = study(options=STUDY | {"run_up_s": run_up_s}, **RAILS, **air)
     for lead_s in (0.9, 1.0, 1.2345, 2.0):
         time_s, to_cpa = triggered(plan, lead_s)
         assert time_s == pytest.approx(run_up_s, abs=1e-9)
@@ -72,7 +72,7 @@ def test_the_trigger_falls_on_the_lead(air: dict, run_up_s: float) -> None:
 @pytest.mark.slow
 def test_the_trigger_falls_on_the_lead_in_flight_too() -> None:
     for aircraft in ("gtm_t2", "c172p"):
-        time_s, to_cpa = triggered(study(aircraft=aircraft, lead_time=STUDY | {"run_up_s": 1.0}), 1.5)
+        time_s, to_cpa = triggered(study(aircraft=aircraft, options=STUDY | {"run_up_s": 1.0}), 1.5)
         assert time_s == 1.0
         assert to_cpa == pytest.approx(1.5, abs=1e-3)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from testbed.campaign import SpecError, load_campaign
+from testbed.campaign import SpecError, expand, load_campaign
 from testbed.run import runner
 from testbed.run.directory import BadInputError
 from testbed.run.engines import LocalEngine, attempt
@@ -24,7 +24,7 @@ speed_mps: 50
 route: {{start_enu_m: [0, 0, 0], goal_enu_m: [900, 0, 0], start_direction_deg: [0, 0], goal_direction_deg: [0, 0]}}
 sensor: {{range_m: 10000}}
 replan: {{answer: direct, rejoin: {{when: clear}}}}
-lead_time: {{leads_s: [0.5, 1, 2], tolerance_s: 0.1, obstacle_speed_mps: [20, 50], radius_m: [25, 30]}}
+study: {{kind: lead_time, options: {{leads_s: [0.5, 1, 2], tolerance_s: 0.1, obstacle_speed_mps: [20, 50], radius_m: [25, 30]}}}}
 recordings: none
 rates: {{plant_hz: 60}}
 sweep:
@@ -84,7 +84,7 @@ def test_a_search_is_a_line_and_an_interrupted_study_goes_on(tmp_path: Path) -> 
             float(line["closing_mps"]) * float(line["lead_s"]) + float(line["radius_m"]), rel=1e-4
         )
         assert [pair.split(":")[0] for pair in line["grid_clearance_m"].split()] == ["0.5", "1", "2"]
-    with pytest.raises(BadInputError, match="cannot be replayed as one"):
+    with pytest.raises(BadInputError, match="is what the study 'lead_time' flies, and cannot be replayed"):
         replay(tmp_path / "whole", _first_id(tmp_path / "whole"))
 
 
@@ -121,7 +121,7 @@ def test_a_search_that_the_program_fails_is_a_crash_and_no_line(tmp_path: Path, 
 WRONG = [
     ("leads_s: [0.5, 1, 2]", "leads_s: [0.5, 2, 1]", "each lead must be more than the one before it"),
     ("radius_m: [25, 30]", "radius_m: [30, 25]", "the first is more than the second"),
-    ("tolerance_s: 0.1", "run_up_s: 0.123", "run_up_s must be a whole number of looks of the planner, 1/60 s each"),
+    ("tolerance_s: 0.1", "run_up_s: 0.123", "needs run_up_s to be a whole number of looks of the planner, 1/60 s each"),
     ("range_m: 10000", "range_m: 100", "needs sensor.range_m of 330 m at least"),
     ("goal_enu_m: [900, 0, 0]", "goal_enu_m: [400, 0, 0]", "needs a route of 500 m at least"),
     ("goal_enu_m: [900, 0, 0]", "goal_enu_m: [900, 10, 0]", "needs a straight level route"),
@@ -142,7 +142,38 @@ def test_what_cannot_be_searched_is_said_where_it_stands(tmp_path: Path, good: s
     with pytest.raises(SpecError) as refused:
         load_campaign(file)
     assert says in str(refused.value)
-    assert "lead_time" in str(refused.value)
+    (problem,) = refused.value.problems
+    assert problem.path.startswith("study")
+    assert problem.spot.line == 9
+
+
+def test_what_a_study_needs_is_said_where_it_is_not(tmp_path: Path) -> None:
+    file = study(tmp_path)
+    file.write_text(file.read_text().replace("leads_s: [0.5, 1, 2], ", "").replace("tolerance_s", "tolerance"))
+    with pytest.raises(SpecError) as refused:
+        load_campaign(file)
+    told = {problem.path: (problem.spot.line, problem.message, problem.hint) for problem in refused.value.problems}
+    assert told["study.options.leads_s"] == (9, "this key is missing", "")
+    assert told["study.options.tolerance"][1].startswith("unknown option 'tolerance' of the study 'lead_time'")
+    assert told["study.options.tolerance"][2] == "did you mean 'tolerance_s'?"
+    file.write_text(STUDY.format(name="bare", plants="kinematic").partition("study:")[0] + "study: {kind: lead_time}\n")
+    with pytest.raises(SpecError, match=r"bare\.yaml:\d+:\d+: study\.options\.leads_s: this key is missing"):
+        load_campaign(file)
+
+
+def test_a_campaign_from_before_there_were_studies_is_told_what_to_write(tmp_path: Path) -> None:
+    file = study(tmp_path)
+    file.write_text(
+        file.read_text().replace("study: {kind: lead_time, options: {", "lead_time: {").replace("30]}}", "30]}")
+        + "  lead_time.run_up_s: [0, 1]\n"
+    )
+    with pytest.raises(SpecError) as refused:
+        load_campaign(file)
+    top, axis = refused.value.problems
+    assert (top.path, top.spot.line, top.message) == ("lead_time", 9, "unknown key 'lead_time'")
+    assert top.hint.startswith("write study: {kind: lead_time, options: {")
+    assert (axis.path, axis.message) == ("sweep.lead_time.run_up_s", "unknown setting 'lead_time.run_up_s'")
+    assert "study.options.<name> in parts and sweeps" in axis.hint
 
 
 def test_a_part_is_a_study_and_flights_do_not_mix_with_searches(tmp_path: Path) -> None:
@@ -153,7 +184,9 @@ def test_a_part_is_a_study_and_flights_do_not_mix_with_searches(tmp_path: Path) 
     lines = list(csv.DictReader(io.StringIO(reported(tmp_path / "out")[0].decode())))
     assert [line["study"] for line in lines] == ["first"] * 6 + ["second"] * 2
     assert all(math.isfinite(float(line["best_s"])) for line in lines)
-    file.write_text(file.read_text().replace("second: {", "second: {set: {lead_time: null}, "))
-    with pytest.raises(BadInputError, match="all of a campaign's flights are searches"):
-        runner.run(Order(file, Here(), tmp_path / "mixed"))
-    assert not (tmp_path / "mixed").exists()
+    options = file.read_text().replace("second: {", "second: {set: {study.options.tolerance_s: 1.0}, ")
+    file.write_text(options)
+    assert [plan.study.options["tolerance_s"] for plan in expand(load_campaign(file))] == [0.1] * 6 + [1.0] * 2
+    file.write_text(options.replace("study.options.tolerance_s: 1.0", "study.kind: none"))
+    with pytest.raises(SpecError, match=r"'study\.kind' belongs to the campaign as a whole, not to a flight"):
+        load_campaign(file)

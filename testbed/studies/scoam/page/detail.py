@@ -9,6 +9,7 @@ from testbed.results.statistics import Spread
 from testbed.show import words
 from testbed.show.words import DASH, named, number
 from testbed.studies.scoam.claim import Control, Rank, Waterfall
+from testbed.studies.scoam.labels import Design, Method, Part, Rung
 from testbed.studies.scoam.page import wording
 from testbed.studies.scoam.page.prose import p_value
 from testbed.studies.scoam.page.wording import AIRCRAFT, IN_AIR, LIMITS, METHODS, READINGS, RUNGS
@@ -17,16 +18,16 @@ if TYPE_CHECKING:
     from testbed.studies.scoam.verdict.model import AirCell, Case
 
 DESIGNS = {
-    "anchored": (
+    Design.ANCHORED: (
         "Anchored: the same encounter in every wind",
         "The obstacle is placed so that without avoidance it comes as near, at the same time and closing speed, as in calm air. "
         "What differs is what the wind does to the avoidance.",
     ),
-    "ground_fixed": (
+    Design.GROUND_FIXED: (
         "Ground-fixed: the obstacle as printed",
         "The obstacle flies over the ground as the paper prints it, and the wind changes the encounter itself: it need not be a threat.",
     ),
-    "turbulence": (
+    Part.TURBULENCE: (
         "Turbulence",
         "The obstacle as in the anchored design; flights differ in their gusts only, which are the same for every method.",
     ),
@@ -57,7 +58,7 @@ def rank_groups(ranks: Sequence[Rank]) -> list[dict[str, Any]]:
 
 def _rank(rank: Rank) -> dict[str, Any]:
     share = rank.safe / rank.n if rank.n else math.nan
-    versus, own = rank.versus_scoam, rank.method == "scoam"
+    versus, own = rank.versus_scoam, rank.method == Method.SCOAM
     cells = [
         (f"{rank.n}", "", float(rank.n)),
         (words.percent(share), words.interval(rank.safe_low, rank.safe_high, "share"), share),
@@ -171,7 +172,7 @@ CASE_COLUMNS = (
     ("roll_rate_dps", "roll rate", "deg/s"),
     ("cross_track_m", "off the path, at most", "m"),
 )
-CASE_RUNGS = ("kinematic", "jsbsim")
+CASE_RUNGS = (Rung.KINEMATIC, Rung.JSBSIM)
 
 
 def case_table(cases: "Sequence[Case]") -> dict[str, Any]:

@@ -10,6 +10,7 @@ from testbed.results.rows import collided, value
 from testbed.show import palette
 from testbed.show.answer import Row
 from testbed.show.words import named, number
+from testbed.studies.scoam.labels import Axis, Compass, Design, Part, Rung, Severity
 from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, METHOD
 
 CURVES = ("time_s", "x", "y", "z", "clearance_m", "bank_deg", "load_factor", "roll_rate_dps", "paths", "obstacles", "decisions")
@@ -28,39 +29,40 @@ class Shown:
 
 
 def _calm(key: str, name: str, light: str, dark: str, dash: str) -> Shown:
-    return Shown(key, name, {"part": "calm", "rung": key}, light, dark, dash)
+    return Shown(key, name, {Axis.PART: Part.CALM, Axis.RUNG: key}, light, dark, dash)
 
 
 def _wind(where: str, words: str, light: str, dark: str, dash: str) -> Shown:
-    labels = {"part": "wind", "rung": "jsbsim", "design": "anchored", "wind_mps": "10", "wind_from": where}
+    air: dict[str, str] = {Axis.DESIGN: Design.ANCHORED, Axis.WIND_MPS: "10", Axis.WIND_FROM: where}
+    labels: dict[str, str] = {Axis.PART: Part.WIND, Axis.RUNG: Rung.JSBSIM, **air}
     return Shown(f"wind_{where}", f"flown, wind 10 m/s from {words}", labels, light, dark, dash)
 
 
 SHOWN = (
-    _calm("vo_instant", "velocity turned at once", palette.GREY, palette.GREY, "dot"),
-    _calm("kinematic", "kinematic", "ink", "ink", "solid"),
-    _calm("point_mass", "point mass", palette.PURPLE, palette.PURPLE, "dash"),
-    _calm("jsbsim", "flown, calm", palette.BLUE, palette.SKY, "solid"),
-    _calm("direct", "flown at once, no insertion point", "#A67C00", palette.YELLOW, "dashdot"),
-    _wind("NE", "the north-east", palette.GREEN, "#2CC79E", "dash"),  # the route leads east-north-east: against the flight
-    _wind("NW", "the north-west", palette.GREEN, "#2CC79E", "dot"),  # and across it
+    _calm(Rung.VO_INSTANT, "velocity turned at once", palette.GREY, palette.GREY, "dot"),
+    _calm(Rung.KINEMATIC, "kinematic", "ink", "ink", "solid"),
+    _calm(Rung.POINT_MASS, "point mass", palette.PURPLE, palette.PURPLE, "dash"),
+    _calm(Rung.JSBSIM, "flown, calm", palette.BLUE, palette.SKY, "solid"),
+    _calm(Rung.DIRECT, "flown at once, no insertion point", "#A67C00", palette.YELLOW, "dashdot"),
+    _wind(Compass.NE, "the north-east", palette.GREEN, "#2CC79E", "dash"),  # the route leads east-north-east: against the flight
+    _wind(Compass.NW, "the north-west", palette.GREEN, "#2CC79E", "dot"),  # and across it
     Shown(
-        "turbulence",
+        Part.TURBULENCE,
         "flown, severe turbulence",
-        {"part": "turbulence", "rung": "jsbsim", "severity": "severe"},
+        {Axis.PART: Part.TURBULENCE, Axis.RUNG: Rung.JSBSIM, Axis.SEVERITY: Severity.SEVERE},
         palette.VERMILLION,
         palette.ORANGE,
         "longdash",
     ),
 )
-IN_SPACE = ("kinematic", "jsbsim", "wind_NE", "wind_NW", "turbulence")
-RUNGS = ("vo_instant", "kinematic", "point_mass", "jsbsim", "direct")
-DEMAND = ("kinematic", "jsbsim")
+IN_SPACE = (Rung.KINEMATIC, Rung.JSBSIM, "wind_NE", "wind_NW", Part.TURBULENCE)
+RUNGS = (Rung.VO_INSTANT, Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM, Rung.DIRECT)
+DEMAND = (Rung.KINEMATIC, Rung.JSBSIM)
 
 
 def shown(labels: Mapping[str, str], replicate: int) -> Shown | None:
     """How the pictures show the flight of these labels; nothing if they do not. A campaign keeps the curves of these flights first."""
-    if replicate or labels.get("encounter") != ENCOUNTER or labels.get("method") != METHOD:
+    if replicate or labels.get(Axis.ENCOUNTER) != ENCOUNTER or labels.get(Axis.METHOD) != METHOD:
         return None
     return next((one for one in SHOWN if all(labels.get(axis) == label for axis, label in one.labels.items())), None)
 

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from testbed.show import words
@@ -18,6 +18,7 @@ from testbed.studies.scoam.claim import (
     Rank,
     Waterfall,
 )
+from testbed.studies.scoam.labels import Method, Part, Rung
 from testbed.studies.scoam.page import wording
 from testbed.studies.scoam.page.table import DEPENDS, Block, blocks
 from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, LIMITS, METHOD, METHODS, READINGS, RUNGS
@@ -27,13 +28,13 @@ if TYPE_CHECKING:
 
 Paragraph = tuple[str, list[str], bool]  # heading, sentences, and whether they are a list
 
-WAYS = {
-    "vo_instant": "with the velocity turned at once",
-    "kinematic": "through the insertion point, kinematically",
-    "point_mass": "for the point mass",
-    "jsbsim": "flown in calm air",
-    "wind": "in steady wind (median)",
-    "turbulence": "in turbulence (median)",
+WAYS: Mapping[str, str] = {
+    Rung.VO_INSTANT: "with the velocity turned at once",
+    Rung.KINEMATIC: "through the insertion point, kinematically",
+    Rung.POINT_MASS: "for the point mass",
+    Rung.JSBSIM: "flown in calm air",
+    Part.WIND: "in steady wind (median)",
+    Part.TURBULENCE: "in turbulence (median)",
 }
 PHRASES = {
     HOLDS: "This holds",
@@ -158,7 +159,8 @@ def _ranking(ranks: Sequence[Rank]) -> list[str]:
             f"On {total} encounters of the paper's class ({named(RUNGS, rung)}), the radius is kept by {listed(shares)}; "
             "in brackets 95 % intervals."
         )
-        duels = [_duel(rank) for rank in best_first if rank.method not in ("scoam", "none") and math.isfinite(rank.versus_scoam.value)]
+        rivals = [rank for rank in best_first if rank.method not in (Method.SCOAM, Method.NONE)]
+        duels = [_duel(rank) for rank in rivals if math.isfinite(rank.versus_scoam.value)]
         if duels:
             said.append(f"SCOAM's clearance less the other's, paired by encounter ({named(RUNGS, rung)}): {'; '.join(duels)}.")
     return said

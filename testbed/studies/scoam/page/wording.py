@@ -2,58 +2,60 @@
 
 import math
 import re
+from collections.abc import Mapping
 
 from testbed.results.statistics import Effect, Spread
 from testbed.show import words
 from testbed.show.words import DASH, amount, interval, percent, sentence
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED
+from testbed.studies.scoam.labels import Encounter, Method, Part, Rung
 
-METHODS = words.METHODS | {
-    "droam_hp_left": "DROAM/HP, left",
-    "droam_hp_right": "DROAM/HP, right",
-    "droam_vp_up": "DROAM/VP, up",
-    "droam_vp_down": "DROAM/VP, down",
+METHODS: Mapping[str, str] = words.METHODS | {
+    Method.DROAM_HP_LEFT: "DROAM/HP, left",
+    Method.DROAM_HP_RIGHT: "DROAM/HP, right",
+    Method.DROAM_VP_UP: "DROAM/VP, up",
+    Method.DROAM_VP_DOWN: "DROAM/VP, down",
 }
-READINGS = {
-    "single_as_printed": "Table 1 as printed",
-    "single_106": "Table 1, azimuth 106\N{DEGREE SIGN}",
-    "single_106_10": "Table 1, direction (106.1\N{DEGREE SIGN}, 10.4\N{DEGREE SIGN})",
-    "multi_as_printed": "Table 3 as printed",
-    "multi_o2_up": "Table 3, second obstacle climbing (+15.4\N{DEGREE SIGN})",
-    "gentle": "gentle, 6 s ahead with 8 m of margin",
-    "gentle_no_margin": "gentle, 6 s ahead",
-    "impossible": "impossible, 0.3 s ahead",
+READINGS: Mapping[str, str] = {
+    Encounter.SINGLE_AS_PRINTED: "Table 1 as printed",
+    Encounter.SINGLE_106: "Table 1, azimuth 106\N{DEGREE SIGN}",
+    Encounter.SINGLE_106_10: "Table 1, direction (106.1\N{DEGREE SIGN}, 10.4\N{DEGREE SIGN})",
+    Encounter.MULTI_AS_PRINTED: "Table 3 as printed",
+    Encounter.MULTI_O2_UP: "Table 3, second obstacle climbing (+15.4\N{DEGREE SIGN})",
+    Encounter.GENTLE: "gentle, 6 s ahead with 8 m of margin",
+    Encounter.GENTLE_NO_MARGIN: "gentle, 6 s ahead",
+    Encounter.IMPOSSIBLE: "impossible, 0.3 s ahead",
 }
-RUNGS = {
-    "vo_instant": "velocity turned at once",
-    "kinematic": "kinematic",
-    "point_ideal": "point mass, no limits",
-    "point_roll": "point mass, roll only",
-    "point_load": "point mass, load factor only",
-    "point_speed": "point mass, speed only",
-    "point_no_roll": "point mass without roll limit",
-    "point_no_load": "point mass without load factor limit",
-    "point_no_speed": "point mass without speed limit",
-    "point_mass": "point mass",
-    "jsbsim": "flown, calm",
-    "direct": "flown, no insertion point",
-    "wind": "flown, steady wind",
-    "turbulence": "flown, turbulence",
+RUNGS: Mapping[str, str] = {
+    Rung.VO_INSTANT: "velocity turned at once",
+    Rung.KINEMATIC: "kinematic",
+    Rung.POINT_IDEAL: "point mass, no limits",
+    Rung.POINT_ROLL: "point mass, roll only",
+    Rung.POINT_LOAD: "point mass, load factor only",
+    Rung.POINT_SPEED: "point mass, speed only",
+    Rung.POINT_NO_ROLL: "point mass without roll limit",
+    Rung.POINT_NO_LOAD: "point mass without load factor limit",
+    Rung.POINT_NO_SPEED: "point mass without speed limit",
+    Rung.POINT_MASS: "point mass",
+    Rung.JSBSIM: "flown, calm",
+    Rung.DIRECT: "flown, no insertion point",
+    Part.WIND: "flown, steady wind",
+    Part.TURBULENCE: "flown, turbulence",
 }
-STEPS = {
-    "vo_instant": "velocity turned at once",
-    "kinematic": "+ insertion point (kinematic)",
-    "point_ideal": "+ guidance",
-    "point_load": "+ load factor limit",
-    "point_no_roll": "+ speed loss",
-    "point_mass": "+ roll limit (point mass)",
-    "jsbsim": "+ six degrees of freedom",
-    "wind": "in steady wind (median)",
-    "turbulence": "in turbulence (median)",
+STEPS: Mapping[str, str] = {
+    Rung.VO_INSTANT: "velocity turned at once",
+    Rung.KINEMATIC: "+ insertion point (kinematic)",
+    Rung.POINT_IDEAL: "+ guidance",
+    Rung.POINT_LOAD: "+ load factor limit",
+    Rung.POINT_NO_ROLL: "+ speed loss",
+    Rung.POINT_MASS: "+ roll limit (point mass)",
+    Rung.JSBSIM: "+ six degrees of freedom",
+    Part.WIND: "in steady wind (median)",
+    Part.TURBULENCE: "in turbulence (median)",
 }
 """What each step of a waterfall adds."""
-IN_AIR = {"kinematic": "kinematic", "jsbsim": "flown", "direct": "flown, no insertion point"}
-AIRCRAFT = {"gtm_t2": "GTM-T2", "c172p": "Cessna 172P", "t37": "T-37"}
+IN_AIR: Mapping[str, str] = {Rung.KINEMATIC: "kinematic", Rung.JSBSIM: "flown", Rung.DIRECT: "flown, no insertion point"}
+AIRCRAFT: Mapping[str, str] = {"gtm_t2": "GTM-T2", "c172p": "Cessna 172P", "t37": "T-37"}
 LIMITS = {"roll": "roll", "load_factor": "load factor", "load": "load factor", "speed": "speed"}
 WORD_CLASS = {
     HOLDS: "holds",
@@ -62,7 +64,7 @@ WORD_CLASS = {
     FAILS_WHEN_FLOWN: "fails-flown",
     NOT_DETERMINED: "not-determined",
 }
-ENCOUNTER, METHOD = "single_106", "scoam"
+ENCOUNTER, METHOD = Encounter.SINGLE_106, Method.SCOAM
 """Section 5.1 in the reading that makes its obstacle a threat: what the pictures show."""
 MINUS = re.compile(r"(?<![\w.)])-(?=[\d.])")  # of a number, not a hyphen
 

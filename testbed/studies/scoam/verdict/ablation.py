@@ -7,16 +7,17 @@ import numpy as np
 
 from testbed.results.statistics import NAN
 from testbed.studies.scoam.claim import Step, Waterfall
-from testbed.studies.scoam.verdict.select import SIDES, Flights, Row, clearance
+from testbed.studies.scoam.labels import SIDES, Axis, Design, Part, Rung
+from testbed.studies.scoam.verdict.select import Flights, Row, clearance
 
 LIMITS: Final = {
-    "roll": ("point_roll", "point_no_roll"),
-    "load factor": ("point_load", "point_no_load"),
-    "speed": ("point_speed", "point_no_speed"),
+    "roll": (Rung.POINT_ROLL, Rung.POINT_NO_ROLL),
+    "load factor": (Rung.POINT_LOAD, Rung.POINT_NO_LOAD),
+    "speed": (Rung.POINT_SPEED, Rung.POINT_NO_SPEED),
 }
 """A limit of the point mass: the rung on which it is the only one, and the rung on which it alone is missing."""
 
-CHAIN: Final = ("vo_instant", "kinematic", "point_ideal", "point_load", "point_no_roll", "point_mass", "jsbsim")
+CHAIN: Final = (Rung.VO_INSTANT, Rung.KINEMATIC, Rung.POINT_IDEAL, Rung.POINT_LOAD, Rung.POINT_NO_ROLL, Rung.POINT_MASS, Rung.JSBSIM)
 """Calm rungs, each with one thing more: the insertion point, guidance, load factor, speed, roll, six degrees of freedom."""
 
 POINT: Final = "insertion point"
@@ -26,9 +27,9 @@ SIX: Final = "six degrees of freedom"
 
 def waterfall(flights: Flights, encounter: str, method: str, aircraft: str) -> Waterfall | None:
     """The waterfall of one method, or nothing where fewer than two rungs were flown."""
-    where = {"encounter": encounter, "flown_by": aircraft}
+    where = {Axis.ENCOUNTER: encounter, Axis.FLOWN_BY: aircraft}
     rungs = {
-        rung: clearance(flights.one("calm", method, rung, **where)) for rung in {*CHAIN, *(r for both in LIMITS.values() for r in both)}
+        rung: clearance(flights.one(Part.CALM, method, rung, **where)) for rung in {*CHAIN, *(r for both in LIMITS.values() for r in both)}
     }
     steps, before = [], NAN
     for rung in CHAIN:
@@ -37,28 +38,28 @@ def waterfall(flights: Flights, encounter: str, method: str, aircraft: str) -> W
             before = rungs[rung]
     if len(steps) < 2:
         return None
-    for name, rows in (("wind", in_wind(flights, method, **where)), ("turbulence", in_turbulence(flights, method, **where))):
+    for name, rows in ((Part.WIND, in_wind(flights, method, **where)), (Part.TURBULENCE, in_turbulence(flights, method, **where))):
         if rows:
             middle = float(np.median([clearance(row) for row in rows]))
-            steps.append(Step(name, middle, middle - rungs["jsbsim"]))
-    alone = {limit: rungs["point_ideal"] - rungs[only] for limit, (only, _) in LIMITS.items()}
-    last = {limit: rungs[without] - rungs["point_mass"] for limit, (_, without) in LIMITS.items()}
+            steps.append(Step(name, middle, middle - rungs[Rung.JSBSIM]))
+    alone = {limit: rungs[Rung.POINT_IDEAL] - rungs[only] for limit, (only, _) in LIMITS.items()}
+    last = {limit: rungs[without] - rungs[Rung.POINT_MASS] for limit, (_, without) in LIMITS.items()}
     return Waterfall(encounter, method, aircraft, tuple(steps), alone, last)
 
 
-def in_wind(flights: Flights, method: str, rung: str = "jsbsim", design: str = "anchored", **where: str) -> list[Row]:
+def in_wind(flights: Flights, method: str, rung: str = Rung.JSBSIM, design: str = Design.ANCHORED, **where: str) -> list[Row]:
     """Flights in steady wind of one design in which the flight without planner fails."""
-    return [row for row in flights.pick("wind", method, rung, design=design, **where) if flights.is_threat(row)]
+    return [row for row in flights.pick(Part.WIND, method, rung, design=design, **where) if flights.is_threat(row)]
 
 
-def in_turbulence(flights: Flights, method: str, rung: str = "jsbsim", **where: str) -> list[Row]:
+def in_turbulence(flights: Flights, method: str, rung: str = Rung.JSBSIM, **where: str) -> list[Row]:
     """Flights in turbulence in which the flight without planner fails."""
-    return [row for row in flights.pick("turbulence", method, rung, **where) if flights.is_threat(row)]
+    return [row for row in flights.pick(Part.TURBULENCE, method, rung, **where) if flights.is_threat(row)]
 
 
 def waterfalls(flights: Flights) -> tuple[Waterfall, ...]:
     """Of every encounter, method and aircraft of the calm part, in order of appearance."""
-    names = [flights.values("calm", name) for name in ("encounter", "flown_by", "method")]
+    names = [flights.values(Part.CALM, name) for name in (Axis.ENCOUNTER, Axis.FLOWN_BY, Axis.METHOD)]
     every = (waterfall(flights, e, m, a) for e in names[0] for a in names[1] for m in names[2])
     return tuple(found for found in every if found is not None)
 
@@ -67,9 +68,9 @@ def costs(found: Waterfall) -> dict[str, float]:
     """Clearance that each step after the flight on rails costs, m. A limit's: the mean of what it costs alone and as the last one."""
     at = {step.rung: step for step in found.steps}
     out = {limit: 0.5 * (found.alone_m[limit] + found.last_m[limit]) for limit in found.alone_m}
-    if "jsbsim" in at and "point_mass" in at:
-        out[SIX] = at["point_mass"].clearance_m - at["jsbsim"].clearance_m
-    for air in ("wind", "turbulence"):
+    if Rung.JSBSIM in at and Rung.POINT_MASS in at:
+        out[SIX] = at[Rung.POINT_MASS].clearance_m - at[Rung.JSBSIM].clearance_m
+    for air in (Part.WIND, Part.TURBULENCE):
         if air in at:
             out[air] = -at[air].change_m
     return {name: cost for name, cost in out.items() if np.isfinite(cost)}
@@ -87,16 +88,16 @@ def kinematic_cause(found: Waterfall | None) -> tuple[str, float]:
     The avoidance direction, as far as the direction flown at once misses; the insertion point, the rest.
     """
     at = {} if found is None else {step.rung: step.clearance_m for step in found.steps}
-    if "vo_instant" not in at or "kinematic" not in at or at["kinematic"] >= 0.0:
+    if Rung.VO_INSTANT not in at or Rung.KINEMATIC not in at or at[Rung.KINEMATIC] >= 0.0:
         return "", NAN
-    return most_costly({POINT: at["vo_instant"] - at["kinematic"], DIRECTION: max(0.0, -at["vo_instant"])})
+    return most_costly({POINT: at[Rung.VO_INSTANT] - at[Rung.KINEMATIC], DIRECTION: max(0.0, -at[Rung.VO_INSTANT])})
 
 
 def lesser_side(flights: Flights, plane: str, encounter: str, aircraft: str) -> str:
     """The side of DROAM with the lesser commanded deflection on rails, in calm air; the plane itself where the sides were not flown."""
     found = {}
     for name in SIDES[plane]:
-        row = flights.one("calm", name, "kinematic", encounter=encounter, flown_by=aircraft)
+        row = flights.one(Part.CALM, name, Rung.KINEMATIC, encounter=encounter, flown_by=aircraft)
         if row is not None and np.isfinite(angle := float(row.get("deflection_deg") or NAN)):
             found[name] = angle
     return min(found, key=lambda name: found[name]) if found else plane

@@ -8,14 +8,15 @@ from typing import Final
 from testbed.results.statistics import LEAST_PAIRS, NAN, finite, spread
 from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim, Word
+from testbed.studies.scoam.labels import DROAM, MAIN, MULTI, SINGLE, Design, Method, Part, Rung
 from testbed.studies.scoam.verdict import draws
 from testbed.studies.scoam.verdict.pairs import CLEAR, DEFLECTION, EVERY, LENGTH, TIME, Measure, Pairs, gain, paired
 from testbed.studies.scoam.verdict.saying import interval, percent, reading, say
-from testbed.studies.scoam.verdict.select import DROAM, MAIN, MULTI, SINGLE, Flights
+from testbed.studies.scoam.verdict.select import Flights
 from testbed.studies.scoam.verdict.words import Agreement, Ruling, agreement, comparison, robust, side
 
 DRAWN: Final = SINGLE[0]
-POPULATION: Final = "population"
+POPULATION: Final = Part.POPULATION
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def least(flights: Flights, claim: Least) -> Claim:
         ruling = Ruling(HOLDS_ONLY_IF, ", ".join(["DROAM is the only rival", *extra]), every.ruling.reason)
     on_rails = ruling.word in (FAILS_KINEMATICALLY, NOT_DETERMINED) or not own.flown.differences
     effect = own.rails.effect if on_rails else own.flown.effect
-    rungs = {rung: _nominal(flights, claim.measure, rung, DRAWN) for rung in ("kinematic", "point_mass", "jsbsim")}
+    rungs = {rung: _nominal(flights, claim.measure, rung, DRAWN) for rung in (Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM)}
     return Claim(
         claim.key,
         "Table 2",
@@ -70,9 +71,9 @@ def least(flights: Flights, claim: Least) -> Claim:
         f"{claim.measure.name} of the best DROAM minus SCOAM's (flown: {_flown_name(claim.measure)})",
         DRAWN,
         MAIN,
-        rungs["kinematic"],
-        rungs["point_mass"],
-        rungs["jsbsim"],
+        rungs[Rung.KINEMATIC],
+        rungs[Rung.POINT_MASS],
+        rungs[Rung.JSBSIM],
         spread(_in_air(flights, claim.measure)),
         ruling.word,
         ruling.condition,
@@ -91,14 +92,14 @@ def _flown_name(measure: Measure) -> str:
 def _judged(flights: Flights, measure: Measure, rivals: Sequence[str]) -> Judged:
     """By the population; without one, the paper's own encounters can refute, together with their draws, but not prove."""
     nominal, words = draw_words(flights, measure, rivals)
-    rails, flown = (paired(flights, measure, POPULATION, rung, rivals) for rung in ("kinematic", "jsbsim"))
+    rails, flown = (paired(flights, measure, POPULATION, rung, rivals) for rung in (Rung.KINEMATIC, Rung.JSBSIM))
     if len(rails.differences) >= LEAST_PAIRS:
         sides = [side(pairs.effect, measure.margin, pairs.least) for pairs in (rails, flown)]
         ruling = comparison(sides[0], sides[1], flown.least.value)
     else:
-        own = finite(_nominal(flights, measure, "kinematic", encounter, rivals) for encounter in SINGLE)
+        own = finite(_nominal(flights, measure, Rung.KINEMATIC, encounter, rivals) for encounter in SINGLE)
         rails = Pairs(tuple(own), measure)
-        flown = Pairs(tuple(finite(_nominal(flights, measure, "jsbsim", encounter, rivals) for encounter in SINGLE)), measure)
+        flown = Pairs(tuple(finite(_nominal(flights, measure, Rung.JSBSIM, encounter, rivals) for encounter in SINGLE)), measure)
         refuted = bool(own) and max(own) < -measure.margin and bool(words)
         ruling = Ruling(FAILS_KINEMATICALLY) if refuted else Ruling(NOT_DETERMINED, reason="no population was flown")
     agree = agreement(ruling.word, nominal, words)
@@ -108,8 +109,8 @@ def _judged(flights: Flights, measure: Measure, rivals: Sequence[str]) -> Judged
 def draw_words(flights: Flights, measure: Measure, rivals: Sequence[str], encounter: str = DRAWN) -> tuple[Word | None, list[Word]]:
     """What each draw's own flights say: SCOAM is least on rails, and flown."""
     both = []
-    for rung in ("kinematic", "jsbsim"):
-        scoam = draws.replicates(flights, "scoam", rung, encounter)
+    for rung in (Rung.KINEMATIC, Rung.JSBSIM):
+        scoam = draws.replicates(flights, Method.SCOAM, rung, encounter)
         others = [draws.replicates(flights, rival, rung, encounter) for rival in rivals]
         gains = {n: gain(measure, rung, row, [other[n] for other in others if n in other]) for n, row in scoam.items()}
         both.append({n: (g >= -measure.margin if math.isfinite(g) else None) for n, g in gains.items()})
@@ -118,13 +119,13 @@ def draw_words(flights: Flights, measure: Measure, rivals: Sequence[str], encoun
 
 def _nominal(flights: Flights, measure: Measure, rung: str, encounter: str, rivals: Sequence[str] = DROAM) -> float:
     """The difference in one encounter in calm air."""
-    pairs = paired(flights, measure, "calm", rung, rivals, encounter=encounter, flown_by=MAIN).differences
+    pairs = paired(flights, measure, Part.CALM, rung, rivals, encounter=encounter, flown_by=MAIN).differences
     return pairs[0] if pairs else NAN
 
 
 def _in_air(flights: Flights, measure: Measure) -> list[float]:
-    wind = paired(flights, measure, "wind", "jsbsim", DROAM, encounter=DRAWN, flown_by=MAIN, design="anchored")
-    return [*wind.differences, *paired(flights, measure, "turbulence", "jsbsim", DROAM, encounter=DRAWN, flown_by=MAIN).differences]
+    wind = paired(flights, measure, Part.WIND, Rung.JSBSIM, DROAM, encounter=DRAWN, flown_by=MAIN, design=Design.ANCHORED)
+    return [*wind.differences, *paired(flights, measure, Part.TURBULENCE, Rung.JSBSIM, DROAM, encounter=DRAWN, flown_by=MAIN).differences]
 
 
 def _why(flights: Flights, measure: Measure, own: Judged, every: Judged, ruling: Ruling) -> str:
@@ -134,12 +135,12 @@ def _why(flights: Flights, measure: Measure, own: Judged, every: Judged, ruling:
         told = [f"{name} {interval(pairs.effect)}, SCOAM least in {percent(pairs.least.value)}" for name, pairs in _rungs(own)]
         said.append(f"Best DROAM minus SCOAM over the population: {'; '.join(told)}.")
         said.append(f"With the least deflection as a rival: {interval(every.rails.effect)} on rails, {interval(every.flown.effect)} flown.")
-    for rung, where in (("kinematic", "On rails"), ("jsbsim", "Flown")):
+    for rung, where in ((Rung.KINEMATIC, "On rails"), (Rung.JSBSIM, "Flown")):
         gaps = {encounter: _nominal(flights, measure, rung, encounter) for encounter in (*SINGLE, *MULTI)}
         told = [f"{_apart(gap, measure.unit)} ({reading(encounter)})" for encounter, gap in gaps.items() if math.isfinite(gap)]
         if told:
             said.append(f"{where} SCOAM's {measure.name} is, against the best DROAM's in calm air, {listed(told)}.")
-    if measure is TIME and math.isfinite(gap := _nominal(flights, CLEAR, "kinematic", DRAWN)):
+    if measure is TIME and math.isfinite(gap := _nominal(flights, CLEAR, Rung.KINEMATIC, DRAWN)):
         said.append(f"Until clear instead of to the insertion point, on rails: {_apart(gap, 's')}.")
     if ruling.reason:
         said.append(f"{ruling.reason[:1].upper()}{ruling.reason[1:]}.")

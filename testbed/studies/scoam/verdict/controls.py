@@ -6,8 +6,9 @@ from typing import Final
 import numpy as np
 
 from testbed.studies.scoam.claim import Control
+from testbed.studies.scoam.labels import MULTI, SINGLE, Axis, Design, Encounter, Method, Part, Rung
 from testbed.studies.scoam.verdict.saying import say
-from testbed.studies.scoam.verdict.select import MULTI, SINGLE, Flights, Row, clearance, keeps, label, number
+from testbed.studies.scoam.verdict.select import Flights, Row, clearance, keeps, label, number
 
 SAME_MISS_M: Final = 1.0
 """Anchored wind: an aircraft without planner has its calm clearance within this; on rails it is the same to rounding."""
@@ -19,17 +20,18 @@ SHOWN: Final = 3  # exceptions that are named
 
 def controls(flights: Flights) -> tuple[Control, ...]:
     """All of them; one without flights has n = 0."""
-    calm = _rows(flights, "calm")
-    told = _rows(flights, "controls")
-    idle = [row for row in calm if label(row, "method") == "none" and label(row, "encounter") in (*SINGLE, *MULTI)]
-    harmless = [row for row in calm if label(row, "encounter") == "single_as_printed"]
-    active = [row for row in told if label(row, "method") != "none"]
-    gentle = [row for row in active if label(row, "encounter") == "gentle"]
-    bare = [row for row in active if label(row, "encounter") == "gentle_no_margin"]
-    at_once = [row for row in bare if label(row, "rung") == "vo_instant"]
-    through = [row for row in bare if label(row, "rung") == "kinematic"]
-    impossible = [row for row in active if label(row, "encounter") == "impossible"]
-    anchored = [row for row in _rows(flights, "wind") if label(row, "design") == "anchored" and label(row, "method") == "none"]
+    calm = _rows(flights, Part.CALM)
+    told = _rows(flights, Part.CONTROLS)
+    idle = [row for row in calm if label(row, Axis.METHOD) == Method.NONE and label(row, Axis.ENCOUNTER) in (*SINGLE, *MULTI)]
+    harmless = [row for row in calm if label(row, Axis.ENCOUNTER) == Encounter.SINGLE_AS_PRINTED]
+    active = [row for row in told if label(row, Axis.METHOD) != Method.NONE]
+    gentle = [row for row in active if label(row, Axis.ENCOUNTER) == Encounter.GENTLE]
+    bare = [row for row in active if label(row, Axis.ENCOUNTER) == Encounter.GENTLE_NO_MARGIN]
+    at_once = [row for row in bare if label(row, Axis.RUNG) == Rung.VO_INSTANT]
+    through = [row for row in bare if label(row, Axis.RUNG) == Rung.KINEMATIC]
+    impossible = [row for row in active if label(row, Axis.ENCOUNTER) == Encounter.IMPOSSIBLE]
+    windy = [row for row in _rows(flights, Part.WIND) if label(row, Axis.DESIGN) == Design.ANCHORED]
+    anchored = [row for row in windy if label(row, Axis.METHOD) == Method.NONE]
     same_miss = [row for row in anchored if np.isfinite(_calm_miss(flights, row))]
     split = [row for row in calm if np.isfinite(_residual(row))]
     kept = f" (through the insertion point {sum(map(keeps, through))} of {len(through)} on rails do)" if through else ""
@@ -44,13 +46,13 @@ def controls(flights: Flights) -> tuple[Control, ...]:
         _control(
             "anchored wind, on rails",
             f"the point without planner has its calm clearance within {EXACT_M:g} m",
-            [row for row in same_miss if label(row, "rung") == "kinematic"],
+            [row for row in same_miss if label(row, Axis.RUNG) == Rung.KINEMATIC],
             lambda row: abs(_calm_miss(flights, row)) <= EXACT_M,
         ),
         _control(
             "anchored wind, flown",
             f"the aircraft without planner has its calm clearance within {SAME_MISS_M:g} m",
-            [row for row in same_miss if label(row, "rung") == "jsbsim"],
+            [row for row in same_miss if label(row, Axis.RUNG) == Rung.JSBSIM],
             lambda row: abs(_calm_miss(flights, row)) <= SAME_MISS_M,
         ),
         _control(
@@ -64,7 +66,7 @@ def controls(flights: Flights) -> tuple[Control, ...]:
 
 def _rows(flights: Flights, part: str) -> list[Row]:
     silent = {id(row) for row in flights.silent}
-    return [row for row in flights.all if label(row, "part") == part and id(row) not in silent]
+    return [row for row in flights.all if label(row, Axis.PART) == part and id(row) not in silent]
 
 
 def _acts(row: Row) -> bool:
@@ -72,9 +74,9 @@ def _acts(row: Row) -> bool:
 
 
 def _calm_miss(flights: Flights, row: Row) -> float:
-    where = {"encounter": label(row, "encounter"), "flown_by": label(row, "flown_by")}
-    rung = label(row, "rung")
-    return clearance(row) - clearance(flights.one("calm", "none", rung, **where))
+    where = {Axis.ENCOUNTER: label(row, Axis.ENCOUNTER), Axis.FLOWN_BY: label(row, Axis.FLOWN_BY)}
+    rung = label(row, Axis.RUNG)
+    return clearance(row) - clearance(flights.one(Part.CALM, Method.NONE, rung, **where))
 
 
 def _residual(row: Row) -> float:

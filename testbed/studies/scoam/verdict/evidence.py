@@ -6,14 +6,14 @@ from typing import Final
 
 from testbed.results.statistics import Effect, share
 from testbed.show.words import listed
+from testbed.studies.scoam.labels import DRAWN, MAIN, Axis, Design, Method, Part, Rung, Severity
 from testbed.studies.scoam.verdict.ablation import in_turbulence, in_wind
 from testbed.studies.scoam.verdict.draws import Test, method_words
 from testbed.studies.scoam.verdict.saying import reading
-from testbed.studies.scoam.verdict.select import MAIN, Flights, Row, label, marginal
+from testbed.studies.scoam.verdict.select import Flights, Row, label, marginal
 from testbed.studies.scoam.verdict.words import Agreement, PromiseEvidence, Ruling, agreement, promise, robust
 
-SEVERITIES: Final = ("light", "moderate", "severe")
-DRAWN: Final = ("single_106", "multi_o2_up")  # encounters of the robustness part
+SEVERITIES: Final = tuple(Severity)
 Cell = tuple[str, str]  # encounter, aircraft
 
 
@@ -47,9 +47,9 @@ class Found:
 
 def gather(flights: Flights, it: Promise) -> Found:
     """Everything that a promise rests on."""
-    rails = _cells(flights, it, "kinematic", it.rails)
+    rails = _cells(flights, it, Rung.KINEMATIC, it.rails)
     kept = [cell for cell, ok in rails.items() if ok]
-    every = _cells(flights, it, "jsbsim", it.flown)
+    every = _cells(flights, it, Rung.JSBSIM, it.flown)
     calm = {cell: ok for cell, ok in every.items() if cell in kept}
     wind, failing = _in_air(flights, it, kept, in_wind)
     turbulence, _ = _in_air(flights, it, kept, in_turbulence)
@@ -74,7 +74,7 @@ def gather(flights: Flights, it: Promise) -> Found:
         wind,
         turbulence,
         failing,
-        sum(label(row, "part") != "calm" and not flights.is_threat(row) for row in rows),
+        sum(label(row, Axis.PART) != Part.CALM and not flights.is_threat(row) for row in rows),
         sum(marginal(row) for row in rows),
         evidence,
         on_rails,
@@ -87,9 +87,9 @@ def _cells(flights: Flights, it: Promise, rung: str, test: Test) -> dict[Cell, b
     """Calm flights of SCOAM at threats, by encounter and aircraft, judged by the test."""
     out = {}
     for encounter in it.encounters:
-        for row in flights.pick("calm", "scoam", rung, encounter=encounter):
+        for row in flights.pick(Part.CALM, Method.SCOAM, rung, encounter=encounter):
             if flights.is_threat(row) and (ok := test(row)) is not None:
-                out[(encounter, label(row, "flown_by"))] = ok
+                out[(encounter, label(row, Axis.FLOWN_BY))] = ok
     return out
 
 
@@ -99,7 +99,7 @@ def _in_air(
     """Flights in air of the cells that pass on rails, judged; and how many are left out because the point on rails fails in that air."""
     judged, failing = [], 0
     for encounter, aircraft in kept:
-        for row in rows_of(flights, "scoam", encounter=encounter, flown_by=aircraft):
+        for row in rows_of(flights, Method.SCOAM, encounter=encounter, flown_by=aircraft):
             partner = flights.on_rails(row)
             if partner is not None and it.rails(partner) is False:
                 failing += 1
@@ -109,9 +109,9 @@ def _in_air(
 
 
 def _flown_rows(flights: Flights, encounter: str) -> list[Row]:
-    calm = flights.pick("calm", "scoam", "jsbsim", encounter=encounter)
-    wind = flights.pick("wind", "scoam", "jsbsim", encounter=encounter, design="anchored")
-    return [*calm, *wind, *flights.pick("turbulence", "scoam", "jsbsim", encounter=encounter)]
+    calm = flights.pick(Part.CALM, Method.SCOAM, Rung.JSBSIM, encounter=encounter)
+    wind = flights.pick(Part.WIND, Method.SCOAM, Rung.JSBSIM, encounter=encounter, design=Design.ANCHORED)
+    return [*calm, *wind, *flights.pick(Part.TURBULENCE, Method.SCOAM, Rung.JSBSIM, encounter=encounter)]
 
 
 def _conditions(
@@ -120,7 +120,7 @@ def _conditions(
     """Which encounters, aircraft and airs pass: what completes "holds only if"."""
     good = {cell for cell, ok in calm.items() if ok}
     parts = [_cells_named(good, set(rails))] if good != set(rails) else []
-    inside = [(row, ok) for row, ok in (*wind, *turbulence) if (label(row, "encounter"), label(row, "flown_by")) in good]
+    inside = [(row, ok) for row, ok in (*wind, *turbulence) if (label(row, Axis.ENCOUNTER), label(row, Axis.FLOWN_BY)) in good]
     if not inside or not all(ok for _, ok in inside):
         parts.append(_air_named(inside))
     return ", ".join(part for part in parts if part)
@@ -142,8 +142,8 @@ def _cells_named(good: set[Cell], every: set[Cell]) -> str:
 
 def _air_named(inside: Sequence[tuple[Row, bool]]) -> str:
     """Up to which wind and which turbulence every flight passes."""
-    wind = [(float(label(row, "wind_mps") or "nan"), ok) for row, ok in inside if label(row, "part") == "wind"]
-    turbulence = [(_severity(row), ok) for row, ok in inside if label(row, "part") == "turbulence"]
+    wind = [(float(label(row, Axis.WIND_MPS) or "nan"), ok) for row, ok in inside if label(row, Axis.PART) == Part.WIND]
+    turbulence = [(_severity(row), ok) for row, ok in inside if label(row, Axis.PART) == Part.TURBULENCE]
     calmest = [f"wind up to {most:g} m/s"] if (most := _up_to(wind)) is not None else []
     if (worst := _up_to(turbulence)) is not None:
         calmest.append(f"turbulence up to {SEVERITIES[int(worst)]}")
@@ -151,7 +151,7 @@ def _air_named(inside: Sequence[tuple[Row, bool]]) -> str:
 
 
 def _severity(row: Row) -> float:
-    name = label(row, "severity")
+    name = label(row, Axis.SEVERITY)
     return float(SEVERITIES.index(name)) if name in SEVERITIES else float("nan")
 
 

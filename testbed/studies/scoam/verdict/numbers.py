@@ -12,20 +12,20 @@ from testbed.studies.scoam.audit.audit import AuditRow, audit
 from testbed.studies.scoam.audit.printed import PRINTED
 from testbed.studies.scoam.audit.readings import UNPRINTED, UNREAD
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim, Word
+from testbed.studies.scoam.labels import DRAWN, MAIN, SIDES, Axis, Encounter, Method, Part, Rung
 from testbed.studies.scoam.verdict import draws
 from testbed.studies.scoam.verdict.ablation import in_turbulence, in_wind, lesser_side
 from testbed.studies.scoam.verdict.saying import METHOD, percent, reading, say
-from testbed.studies.scoam.verdict.select import MAIN, SIDES, Flights, Row, number
+from testbed.studies.scoam.verdict.select import Flights, Row, number
 from testbed.studies.scoam.verdict.words import AS_TAKEN, SHARE, Agreement, agreement
 
-READINGS: Final = {
-    "table2": {"single_as_printed": "as_printed", "single_106": "azimuth_106", "single_106_10": "direction_106_10"},
-    "table4": {"multi_as_printed": "as_printed", "multi_o2_up": "o2_elevation_plus"},
+READINGS: Final[Mapping[str, Mapping[str, str]]] = {
+    "table2": {Encounter.SINGLE_AS_PRINTED: "as_printed", Encounter.SINGLE_106: "azimuth_106", Encounter.SINGLE_106_10: "direction_106_10"},
+    "table4": {Encounter.MULTI_AS_PRINTED: "as_printed", Encounter.MULTI_O2_UP: "o2_elevation_plus"},
 }
 """Encounters of a table and the audit's reading that each of them flies."""
 
-DRAWN: Final = ("single_106", "multi_o2_up")
-METHODS: Final = {"scoam": "scoam", "droam_hp": "hp", "droam_vp": "vp"}
+METHODS: Final[Mapping[str, str]] = {Method.SCOAM: "scoam", Method.DROAM_HP: "hp", Method.DROAM_VP: "vp"}
 QUANTITIES: Final = {"deflection": "deflection", "path_length": "length", "time": "time"}
 BESIDE: Final = {"deflection": ("flown_deflection_deg", "peak_deflection_deg"), "time": ("clear_time_s",), "path_length": ()}
 SHOWN: Final = {
@@ -125,8 +125,8 @@ def _one(flights: Flights, printed: Printed, encounter: str) -> One:
 
 
 def _of_side(flights: Flights, printed: Printed, encounter: str, name: str, lesser: bool) -> One:
-    where = {"encounter": encounter, "flown_by": MAIN}
-    calm = {rung: flights.one("calm", name, rung, **where) for rung in ("kinematic", "point_mass", "jsbsim")}
+    where = {Axis.ENCOUNTER: encounter, Axis.FLOWN_BY: MAIN}
+    calm = {rung: flights.one(Part.CALM, name, rung, **where) for rung in (Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM)}
     air = [*in_wind(flights, printed.method, **where), *in_turbulence(flights, printed.method, **where)] if lesser else []
     tolerance = printed.tolerance(encounter)
     drawn: list[float] = []
@@ -134,20 +134,20 @@ def _of_side(flights: Flights, printed: Printed, encounter: str, name: str, less
     if encounter in DRAWN and lesser:
         rails, flown = (
             {n: printed.figure(row) for n, row in draws.replicates(flights, printed.method, rung, encounter).items()}
-            for rung in ("kinematic", "jsbsim")
+            for rung in (Rung.KINEMATIC, Rung.JSBSIM)
         )
         drawn = [x for n, x in rails.items() if n != draws.NOMINAL and math.isfinite(x)]
         nominal, said = draws.pair_words(*({n: _near(x, printed.value, tolerance) for n, x in found.items()} for found in (rails, flown)))
         words = (nominal, tuple(said))
     unit = SHOWN[printed.quantity][1]
-    beside = [say(number(calm["jsbsim"], metric), unit) for metric in BESIDE[printed.quantity]]
+    beside = [say(number(calm[Rung.JSBSIM], metric), unit) for metric in BESIDE[printed.quantity]]
     return One(
         encounter=encounter,
         side=name,
         lesser=lesser,
-        rails=printed.figure(calm["kinematic"]),
-        point=printed.figure(calm["point_mass"]),
-        calm=printed.figure(calm["jsbsim"]),
+        rails=printed.figure(calm[Rung.KINEMATIC]),
+        point=printed.figure(calm[Rung.POINT_MASS]),
+        calm=printed.figure(calm[Rung.JSBSIM]),
         air=spread(printed.figure(row) for row in air),
         beside=listed(beside),
         tolerance=tolerance,
@@ -221,7 +221,7 @@ def _why(printed: Printed, one: One, word: Word) -> str:
     unit = SHOWN[printed.quantity][1]
     if not math.isfinite(one.rails):
         return f"With {reading(one.encounter)} no re-plan was flown on rails, so there is no such number."
-    side = "" if printed.method == "scoam" else f" ({METHOD[one.side]})"
+    side = "" if printed.method == Method.SCOAM else f" ({METHOD[one.side]})"
     text = PRINTED[printed.audit_key].text
     said = [
         f"With {reading(one.encounter)} the flight on rails has {say(one.rails, unit)}{side} against {text} printed; "

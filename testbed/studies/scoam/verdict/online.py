@@ -5,6 +5,7 @@ from typing import Final
 
 from testbed.results.statistics import NAN, NO_EFFECT, NO_SPREAD
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
+from testbed.studies.scoam.labels import Axis, Method
 from testbed.studies.scoam.verdict.saying import say
 from testbed.studies.scoam.verdict.select import Flights, label, number
 from testbed.studies.scoam.verdict.words import Ruling
@@ -26,7 +27,7 @@ def rule(answer_ms: float, safe: Claim) -> Ruling:
 
 def online(flights: Flights, safe: Claim, answer_ms: float) -> Claim:
     """``safe``: the claim of section 5.1 that the path is safe, for whether the answer comes in time."""
-    answers = sum(label(row, "method") == "scoam" and number(row, "replans") > 0 for row in flights.all)
+    answers = sum(label(row, Axis.METHOD) == Method.SCOAM and number(row, "replans") > 0 for row in flights.all)
     ruling = rule(answer_ms, safe)
     said = [f"{ruling.reason[:1].upper()}{ruling.reason[1:]}."] if ruling.reason else []
     if math.isfinite(answer_ms):

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from testbed.results.statistics import NAN, Effect, finite, median, share
-from testbed.studies.scoam.verdict.select import DROAM, SIDES, Flights, Row, air_of, label, number
+from testbed.studies.scoam.labels import DROAM, SIDES, Axis, Method, Rung
+from testbed.studies.scoam.verdict.select import Flights, Row, air_of, label, number
 
-EVERY: Final = (*DROAM, "least_deflection")
+EVERY: Final = (*DROAM, Method.LEAST_DEFLECTION)
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class Measure:
     larger_is_better: bool = False
 
     def metric(self, rung: str) -> str:
-        return self.rails if rung in ("kinematic", "vo_instant") else self.flown
+        return self.rails if rung in (Rung.KINEMATIC, Rung.VO_INSTANT) else self.flown
 
 
 DEFLECTION: Final = Measure("deflection", "deg", "deflection_deg", "flown_deflection_deg", 0.05)
@@ -77,11 +78,11 @@ def paired(
         for row in flights.pick(part, name, rung, **labels):
             found.setdefault(_key(row), []).append(row)
     out = []
-    for row in flights.pick(part, "scoam", rung, **labels):
+    for row in flights.pick(part, Method.SCOAM, rung, **labels):
         if flights.is_threat(row) and (only is None or only(row)):
             out.append(gain(measure, rung, row, found.get(_key(row), [])))
     return Pairs(tuple(finite(out)), measure)
 
 
 def _key(row: Row) -> tuple[str, ...]:
-    return (label(row, "encounter"), label(row, "class"), label(row, "flown_by"), str(row.get("replicate")), *air_of(row))
+    return (label(row, Axis.ENCOUNTER), label(row, Axis.FLOWN_BY), str(row.get("replicate")), *air_of(row))

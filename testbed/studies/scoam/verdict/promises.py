@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from testbed.results.statistics import finite, spread
 from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
+from testbed.studies.scoam.labels import DROAM, MAIN, MULTI, SIDES, SINGLE, Axis, Design, Method, Part, Rung
 from testbed.studies.scoam.verdict.ablation import costs, in_turbulence, in_wind, kinematic_cause, most_costly, waterfall
 from testbed.studies.scoam.verdict.evidence import Found, Promise, gather
 from testbed.studies.scoam.verdict.reach import Demand, Reach, demand, limits_of, pose
 from testbed.studies.scoam.verdict.saying import METHOD, reading, say
-from testbed.studies.scoam.verdict.select import MAIN, MULTI, SINGLE, Flights, Row, clearance, keeps, label, number
+from testbed.studies.scoam.verdict.select import Flights, Row, clearance, keeps, label, number
 
 Figure = Callable[[Row | None], float]
 
@@ -47,7 +48,7 @@ OVERLOAD = Text(
 def safe(flights: Flights, text: Text, encounters: tuple[str, ...]) -> Claim:
     """Every flight keeps every radius."""
     found = gather(flights, Promise(encounters, keeps, keeps, "keep every radius"))
-    chain = waterfall(flights, encounters[0], "scoam", MAIN)
+    chain = waterfall(flights, encounters[0], Method.SCOAM, MAIN)
     cause, cost = kinematic_cause(chain)
     if found.ruling.word in (FAILS_WHEN_FLOWN, HOLDS_ONLY_IF):
         cause, cost = most_costly(costs(chain)) if chain else ("", math.nan)
@@ -63,7 +64,7 @@ def _why_safe(flights: Flights, encounters: tuple[str, ...], found: Found, cause
         return _reason(found) or "No flight on rails."
     said = [f"On rails {_of(found.rails.values())} re-plans keep every radius ({_by_aircraft(flights, encounters, 'kinematic')})."]
     if found.ruling.word == FAILS_KINEMATICALLY:
-        at_once = [clearance(flights.one("calm", "scoam", "vo_instant", encounter=e, flown_by=MAIN)) for e in encounters]
+        at_once = [clearance(flights.one(Part.CALM, Method.SCOAM, Rung.VO_INSTANT, encounter=e, flown_by=MAIN)) for e in encounters]
         shown = finite(at_once)
         if shown:
             said.append(f"The direction flown at once leaves {listed([say(x, 'm') for x in shown])}.")
@@ -74,14 +75,14 @@ def _why_safe(flights: Flights, encounters: tuple[str, ...], found: Found, cause
         said.append(f"Flown in calm air {_of(found.calm.values())} do ({_by_aircraft(flights, encounters, 'jsbsim')}){_air(found)}.")
         if cause:
             said.append(f"What costs most is {cause}: {say(cost, 'm')} with {MAIN}.")
-        if flights.pick("calm", "scoam", "direct", encounter=encounters[0]):
+        if flights.pick(Part.CALM, Method.SCOAM, Rung.DIRECT, encounter=encounters[0]):
             said.append(f"Told the direction at once, without insertion point: {_by_aircraft(flights, encounters, 'direct')}.")
     return " ".join(part for part in (*said, _operational(flights, encounters), *_left_out(found), _reason(found)) if part)
 
 
 def _operational(flights: Flights, encounters: tuple[str, ...]) -> str:
     """Wind with the obstacle where it is printed: how many are threats at all, and how many of those are kept clear. Counts for no word."""
-    rows = [row for e in encounters for row in flights.pick("wind", "scoam", "jsbsim", encounter=e, design="ground_fixed")]
+    rows = [row for e in encounters for row in flights.pick(Part.WIND, Method.SCOAM, Rung.JSBSIM, encounter=e, design=Design.GROUND_FIXED)]
     threats = [row for row in rows if flights.is_threat(row)]
     if not rows:
         return ""
@@ -105,11 +106,11 @@ def flyable(flights: Flights, reach: Reach | None) -> Claim:
     found = gather(
         flights, Promise(SINGLE, rails, flown, f"stay within {PATH_M:g} m of their path", "ask for no more than the aircraft has")
     )
-    nominal = flights.one("calm", "scoam", "kinematic", encounter=SINGLE[0], flown_by=MAIN)
+    nominal = flights.one(Part.CALM, Method.SCOAM, Rung.KINEMATIC, encounter=SINGLE[0], flown_by=MAIN)
     asked = demand(nominal)
     cause = asked.worst if asked and found.ruling.word == FAILS_KINEMATICALLY else ""
     if found.ruling.word in (FAILS_WHEN_FLOWN, HOLDS_ONLY_IF):
-        chain = waterfall(flights, SINGLE[0], "scoam", MAIN)
+        chain = waterfall(flights, SINGLE[0], Method.SCOAM, MAIN)
         cause = most_costly(costs(chain))[0] if chain else ""
     why = " ".join(part for part in (_asks(flights), _bound(nominal, reach), _strays(flights), *_left_out(found), _reason(found)) if part)
     what = "greatest of bank, load factor and roll rate over the aircraft's limit"
@@ -119,20 +120,20 @@ def flyable(flights: Flights, reach: Reach | None) -> Claim:
 def _asks(flights: Flights) -> str:
     """What the path asks for and what the aircraft have."""
     said = []
-    for row in flights.pick("calm", "scoam", "kinematic", encounter=SINGLE[0]):
+    for row in flights.pick(Part.CALM, Method.SCOAM, Rung.KINEMATIC, encounter=SINGLE[0]):
         limits = limits_of(str(row.get("aircraft")))
         if limits:
             said.append(
                 f"{say(number(row, 'max_load_factor'), 'g')}, {number(row, 'max_bank_deg'):.0f} deg of bank and "
-                f"{number(row, 'max_roll_rate_dps'):.0f} deg/s of roll ({label(row, 'flown_by')} has {limits.load_factor_max:g} g, "
+                f"{number(row, 'max_roll_rate_dps'):.0f} deg/s of roll ({label(row, Axis.FLOWN_BY)} has {limits.load_factor_max:g} g, "
                 f"{limits.bank_deg:g} deg, {limits.roll_rate_dps:g} deg/s)"
             )
     return f"With {reading(SINGLE[0])} the path asks for {listed(said)}." if said else ""
 
 
 def _strays(flights: Flights) -> str:
-    rows = flights.pick("calm", "scoam", "jsbsim", encounter=SINGLE[0])
-    off = [f"{say(number(row, 'cross_track_max_m'), 'm')} ({label(row, 'flown_by')})" for row in rows]
+    rows = flights.pick(Part.CALM, Method.SCOAM, Rung.JSBSIM, encounter=SINGLE[0])
+    off = [f"{say(number(row, 'cross_track_max_m'), 'm')} ({label(row, Axis.FLOWN_BY)})" for row in rows]
     return f"Flown, it is left by up to {listed(off)}; {PATH_M:g} m are allowed." if off else ""
 
 
@@ -140,7 +141,7 @@ def _bound(row: Row | None, reach: Reach | None) -> str:
     found = pose(row, reach)
     if found is None:
         return ""
-    least = f"a level turn of {label(row or {}, 'flown_by')} needs {say(found.level_turn_radius_m, 'm')}"
+    least = f"a level turn of {label(row or {}, Axis.FLOWN_BY)} needs {say(found.level_turn_radius_m, 'm')}"
     return f"The widest curve to the insertion point without a loop has a radius of {say(found.radius_m, 'm')}; {least}."
 
 
@@ -153,13 +154,13 @@ def overload(flights: Flights) -> Claim:
 
     found = gather(flights, Promise(MULTI, within, within, "stay within the limits of load factor"))
     asked = []
-    for row in flights.pick("calm", "scoam", "kinematic", encounter=MULTI[0]):
+    for row in flights.pick(Part.CALM, Method.SCOAM, Rung.KINEMATIC, encounter=MULTI[0]):
         limits = limits_of(str(row.get("aircraft")))
         if limits:
-            asked.append(f"{say(number(row, 'max_load_factor'), 'g')} ({label(row, 'flown_by')} has {limits.load_factor_max:g} g)")
+            asked.append(f"{say(number(row, 'max_load_factor'), 'g')} ({label(row, Axis.FLOWN_BY)} has {limits.load_factor_max:g} g)")
     flown = [
-        f"{say(number(row, 'max_load_factor'), 'g')} ({label(row, 'flown_by')})"
-        for row in flights.pick("calm", "scoam", "jsbsim", encounter=MULTI[0])
+        f"{say(number(row, 'max_load_factor'), 'g')} ({label(row, Axis.FLOWN_BY)})"
+        for row in flights.pick(Part.CALM, Method.SCOAM, Rung.JSBSIM, encounter=MULTI[0])
     ]
     said = [
         f"With {reading(MULTI[0])} the path on rails asks for {listed(asked)}{_rivals(flights)}." if asked else "",
@@ -173,8 +174,8 @@ def overload(flights: Flights) -> Claim:
 def _rivals(flights: Flights) -> str:
     """The load factors of both sides of DROAM in the same encounter."""
     said = []
-    for method in ("droam_hp_left", "droam_hp_right", "droam_vp_up", "droam_vp_down"):
-        row = flights.one("calm", method, "kinematic", encounter=MULTI[0], flown_by=MAIN)
+    for method in (side for plane in DROAM for side in SIDES[plane]):
+        row = flights.one(Part.CALM, method, Rung.KINEMATIC, encounter=MULTI[0], flown_by=MAIN)
         if row is not None:
             said.append(f"{say(number(row, 'max_load_factor'), 'g')} {METHOD[method].removeprefix('DROAM/')}")
     return f"; DROAM with {MAIN} for {listed(said)}" if said else ""
@@ -189,9 +190,9 @@ def _claim(
     flights: Flights, text: Text, encounter: str, found: Found, quantity: str, unit: str, figure: Figure, cause: str, why: str
 ) -> Claim:
     """The claim with the figures of one encounter flown by one aircraft, and the ruling of all."""
-    at = {rung: flights.one("calm", "scoam", rung, encounter=encounter, flown_by=MAIN) for rung in ("kinematic", "point_mass", "jsbsim")}
-    where = {"encounter": encounter, "flown_by": MAIN}
-    air = [*in_wind(flights, "scoam", **where), *in_turbulence(flights, "scoam", **where)]
+    where = {Axis.ENCOUNTER: encounter, Axis.FLOWN_BY: MAIN}
+    at = {rung: flights.one(Part.CALM, Method.SCOAM, rung, **where) for rung in (Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM)}
+    air = [*in_wind(flights, Method.SCOAM, **where), *in_turbulence(flights, Method.SCOAM, **where)]
     effect = found.on_rails if found.ruling.word == FAILS_KINEMATICALLY else found.evidence.share
     return Claim(
         text.key,
@@ -202,9 +203,9 @@ def _claim(
         quantity,
         encounter,
         MAIN,
-        figure(at["kinematic"]),
-        figure(at["point_mass"]),
-        figure(at["jsbsim"]),
+        figure(at[Rung.KINEMATIC]),
+        figure(at[Rung.POINT_MASS]),
+        figure(at[Rung.JSBSIM]),
         spread([figure(row) for row in air]),
         found.ruling.word,
         found.ruling.condition,
@@ -224,8 +225,8 @@ def _of(judged: Iterable[bool]) -> str:
 def _by_aircraft(flights: Flights, encounters: tuple[str, ...], rung: str) -> str:
     """Clearances of the readings for each aircraft."""
     said = []
-    for aircraft in flights.values("calm", "flown_by"):
-        rows = [flights.one("calm", "scoam", rung, encounter=e, flown_by=aircraft) for e in encounters]
+    for aircraft in flights.values(Part.CALM, Axis.FLOWN_BY):
+        rows = [flights.one(Part.CALM, Method.SCOAM, rung, encounter=e, flown_by=aircraft) for e in encounters]
         shown = [say(clearance(row), "m") for row in rows if row is not None]
         if shown:
             said.append(f"{aircraft} {listed(shown)}")

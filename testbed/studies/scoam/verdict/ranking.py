@@ -4,11 +4,12 @@ from typing import Final
 
 from testbed.results.statistics import mcnemar, median, share_interval, spread
 from testbed.studies.scoam.claim import Rank
+from testbed.studies.scoam.labels import DROAM, Axis, Method, Part, Rung
 from testbed.studies.scoam.verdict.select import Flights, Row, clearance, keeps, label, number
 
-METHODS: Final = ("scoam", "droam_hp", "droam_vp", "least_deflection")
-RUNGS: Final = ("kinematic", "jsbsim", "direct")
-PART: Final = "population"
+METHODS: Final = (Method.SCOAM, *DROAM, Method.LEAST_DEFLECTION)
+RUNGS: Final = (Rung.KINEMATIC, Rung.JSBSIM, Rung.DIRECT)
+PART: Final = Part.POPULATION
 
 Pairs = list[tuple[Row, Row]]
 
@@ -27,7 +28,7 @@ def threats(flights: Flights, method: str, rung: str) -> list[Row]:
 def with_scoam(flights: Flights, method: str, rung: str) -> Pairs:
     """Pairs (SCOAM, method) of the same encounter."""
     other = {_encounter(row): row for row in threats(flights, method, rung)}
-    return [(row, other[_encounter(row)]) for row in threats(flights, "scoam", rung) if _encounter(row) in other]
+    return [(row, other[_encounter(row)]) for row in threats(flights, Method.SCOAM, rung) if _encounter(row) in other]
 
 
 def safe_pairs(pairs: Pairs) -> tuple[int, int]:
@@ -36,7 +37,7 @@ def safe_pairs(pairs: Pairs) -> tuple[int, int]:
 
 
 def _encounter(row: Row) -> tuple[str, ...]:
-    return (label(row, "encounter"), label(row, "class"), label(row, "flown_by"), str(row.get("replicate")))
+    return (label(row, Axis.ENCOUNTER), label(row, Axis.FLOWN_BY), str(row.get("replicate")))
 
 
 def _rank(flights: Flights, rung: str, method: str) -> Rank:

@@ -1,31 +1,33 @@
 """Figures as a sentence of ``verdict.csv`` writes them, and the names of what they are of."""
 
 import math
+from collections.abc import Mapping
 from typing import Final
 
 from testbed.results.statistics import Effect
 from testbed.show import words
+from testbed.studies.scoam.labels import Encounter, Method, Rung
 
 PLACES: Final = words.DIGITS | {"deg": 2, "ms": 2}
 """Decimals in a sentence, which compares what differs little."""
 NONE: Final = "none"
 
-READING: Final = {
-    "single_as_printed": "Table 1 as printed",
-    "single_106": "azimuth 106 deg",
-    "single_106_10": "direction (106.1, 10.4) deg",
-    "multi_as_printed": "Table 3 as printed",
-    "multi_o2_up": "O_2 climbing at +15.4 deg",
+READING: Final[Mapping[str, str]] = {
+    Encounter.SINGLE_AS_PRINTED: "Table 1 as printed",
+    Encounter.SINGLE_106: "azimuth 106 deg",
+    Encounter.SINGLE_106_10: "direction (106.1, 10.4) deg",
+    Encounter.MULTI_AS_PRINTED: "Table 3 as printed",
+    Encounter.MULTI_O2_UP: "O_2 climbing at +15.4 deg",
 }
 
-METHOD: Final = words.METHODS | {
-    "least_deflection": "least deflection",
-    "droam_hp_left": "DROAM/HP left",
-    "droam_hp_right": "DROAM/HP right",
-    "droam_vp_up": "DROAM/VP up",
-    "droam_vp_down": "DROAM/VP down",
+METHOD: Final[Mapping[str, str]] = words.METHODS | {
+    Method.LEAST_DEFLECTION: "least deflection",
+    Method.DROAM_HP_LEFT: "DROAM/HP left",
+    Method.DROAM_HP_RIGHT: "DROAM/HP right",
+    Method.DROAM_VP_UP: "DROAM/VP up",
+    Method.DROAM_VP_DOWN: "DROAM/VP down",
 }
-RUNG: Final = {"kinematic": "on rails", "jsbsim": "flown"}
+RUNG: Final[Mapping[str, str]] = {Rung.KINEMATIC: "on rails", Rung.JSBSIM: "flown"}
 
 
 def say(value: float, unit: str = "") -> str:

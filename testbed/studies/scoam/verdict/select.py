@@ -11,26 +11,21 @@ from typing import Any, Final
 from testbed.flight.record import TOUCH_M, Outcome
 from testbed.results.rows import Row, keeps
 from testbed.results.rows import value as number
+from testbed.studies.scoam.labels import AIR, MAIN, ROBUSTNESS, Axis, Method, Part, Rung
 
 MARGINAL_M: Final = 0.15  # three times what the flight loop's rate may change a least clearance by
-SINGLE: Final = ("single_106", "single_106_10")  # readings of section 5.1 in which its obstacle is a threat
-MULTI: Final = ("multi_as_printed", "multi_o2_up")
-DROAM: Final = ("droam_hp", "droam_vp")
-SIDES: Final = {"droam_hp": ("droam_hp_left", "droam_hp_right"), "droam_vp": ("droam_vp_up", "droam_vp_down")}
-MAIN: Final = "gtm_t2"  # flies the geometry that the paper prints
-AIR: Final = ("design", "wind_mps", "wind_from", "severity")
 NEVER_FLEW: Final = (Outcome.CRASHED.value, Outcome.TRIM_FAILED.value)
 
 
-def label(row: Row, name: str) -> str:
+def label(row: Row, axis: Axis) -> str:
     """A label of the row, "" where it has none."""
-    return str(row.get("labels", {}).get(name, ""))
+    return str(row.get("labels", {}).get(axis, ""))
 
 
 def part_of(row: Row) -> str:
     """The part of the campaign; the draws of several encounters are parts of their own, and together one."""
-    part = label(row, "part")
-    return "robustness" if part.startswith("robustness_") else part
+    part = label(row, Axis.PART)
+    return ROBUSTNESS if part in (Part.ROBUSTNESS_SINGLE, Part.ROBUSTNESS_MULTI) else part
 
 
 def clearance(row: Row | None) -> float:
@@ -51,7 +46,7 @@ def marginal(row: Row) -> bool:
 
 def air_of(row: Row) -> tuple[str, ...]:
     """The labels of the air, "" for those that a part does not have."""
-    return tuple(label(row, name) for name in AIR)
+    return tuple(label(row, axis) for axis in AIR)
 
 
 class Flights:
@@ -67,23 +62,23 @@ class Flights:
         self._idle: dict[tuple[str, ...], Row] = {}
         for row in self.all:
             if flew(row):
-                self._found[(part_of(row), label(row, "method"), label(row, "rung"))].append(row)
-                if label(row, "method") == "none":
+                self._found[(part_of(row), label(row, Axis.METHOD), label(row, Axis.RUNG))].append(row)
+                if label(row, Axis.METHOD) == Method.NONE:
                     self._idle[_place(row)] = row
 
     def pick(self, part: str, method: str, rung: str, **labels: str) -> list[Row]:
-        """The flights with these labels."""
-        found = self._found.get((part, method, rung), [])
-        return [row for row in found if all(label(row, name) == value for name, value in labels.items())]
+        """The flights with these labels: axis to label."""
+        found, wanted = self._found.get((part, method, rung), []), {Axis(name): value for name, value in labels.items()}
+        return [row for row in found if all(label(row, axis) == value for axis, value in wanted.items())]
 
     def one(self, part: str, method: str, rung: str, **labels: str) -> Row | None:
         """The only, or the first such flight."""
         found = self.pick(part, method, rung, **labels)
         return found[0] if found else None
 
-    def values(self, part: str, name: str) -> list[str]:
+    def values(self, part: str, axis: Axis) -> list[str]:
         """The values of a label in a part, in the order of the rows."""
-        return list(dict.fromkeys(label(row, name) for row in self.all if label(row, "part") == part))
+        return list(dict.fromkeys(label(row, axis) for row in self.all if label(row, Axis.PART) == part))
 
     def idle(self, row: Row) -> Row | None:
         """The flight without planner in the same place and air."""
@@ -96,24 +91,26 @@ class Flights:
 
     def on_rails(self, row: Row) -> Row | None:
         """The kinematic partner: the same encounter, method and aircraft; in wind in the same wind, in turbulence in calm air."""
-        part = label(row, "part")
-        labels = {name: label(row, name) for name in ("encounter", "flown_by", "design", "wind_mps", "wind_from")}
-        if part == "turbulence":
-            part, labels = "calm", {name: labels[name] for name in ("encounter", "flown_by")}
-        found = self.pick(part, label(row, "method"), "kinematic", **labels)
+        axes: tuple[Axis, ...] = (Axis.ENCOUNTER, Axis.FLOWN_BY)
+        part = label(row, Axis.PART)
+        if part == Part.TURBULENCE:
+            part = Part.CALM
+        else:
+            axes = (*axes, Axis.DESIGN, Axis.WIND_MPS, Axis.WIND_FROM)
+        found = self.pick(part, label(row, Axis.METHOD), Rung.KINEMATIC, **{axis: label(row, axis) for axis in axes})
         replicates = [other for other in found if other.get("replicate") == row.get("replicate")]
-        return next(iter(replicates or (found if label(row, "part") == "turbulence" else [])), None)
+        return next(iter(replicates or (found if label(row, Axis.PART) == Part.TURBULENCE else [])), None)
 
 
 def _order(row: Row) -> tuple[Any, ...]:
     """The aircraft of the paper's geometry first, weak air before strong; names otherwise."""
-    aircraft, wind = label(row, "flown_by"), label(row, "wind_mps")
+    aircraft, wind = label(row, Axis.FLOWN_BY), label(row, Axis.WIND_MPS)
     speed = float(wind) if wind.replace(".", "", 1).isdigit() else math.inf
-    names = tuple(label(row, name) for name in ("design", "wind_from", "severity", "method", "rung", "class"))
-    who = (label(row, "part"), label(row, "encounter"), aircraft != MAIN, aircraft, speed)
+    names = tuple(label(row, axis) for axis in (Axis.DESIGN, Axis.WIND_FROM, Axis.SEVERITY, Axis.METHOD, Axis.RUNG))
+    who = (label(row, Axis.PART), label(row, Axis.ENCOUNTER), aircraft != MAIN, aircraft, speed)
     return (*who, *names, row.get("replicate") or 0, str(row.get("flight_id")))
 
 
 def _place(row: Row) -> tuple[str, ...]:
-    names = ("part", "encounter", "flown_by", "rung", "class")
-    return (*(label(row, name) for name in names), str(row.get("replicate")), *air_of(row))
+    axes = (Axis.PART, Axis.ENCOUNTER, Axis.FLOWN_BY, Axis.RUNG)
+    return (*(label(row, axis) for axis in axes), str(row.get("replicate")), *air_of(row))

@@ -1,23 +1,25 @@
 """The claim that SCOAM is superior to DROAM: five criteria, each against both of its planes, in pairs of the population."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from testbed.results.statistics import LEAST_PAIRS, NAN, NO_EFFECT, NO_SPREAD, Effect, mcnemar, median
 from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
+from testbed.studies.scoam.labels import DROAM, MAIN, Encounter, Method, Part, Rung
 from testbed.studies.scoam.verdict.comparisons import draw_words
 from testbed.studies.scoam.verdict.pairs import CLEARANCE, DEFLECTION, LENGTH, LOAD, gain, paired
 from testbed.studies.scoam.verdict.ranking import Pairs, safe_pairs, threats, with_scoam
 from testbed.studies.scoam.verdict.saying import METHOD, RUNG, percent, say
-from testbed.studies.scoam.verdict.select import DROAM, MAIN, Flights, clearance, keeps
+from testbed.studies.scoam.verdict.select import Flights, clearance, keeps
 from testbed.studies.scoam.verdict.words import Ruling, agreement, robust
 
 BETTER, WORSE, EQUAL, OPEN = "better", "worse", "equal", "open"
 ALPHA: Final = 0.05
 MEASURES: Final = (CLEARANCE, DEFLECTION, LENGTH, LOAD)
 SAFE: Final = "share that is safe"
-DRAWN: Final = "multi_o2_up"
+DRAWN: Final = Encounter.MULTI_O2_UP
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ def criteria(flights: Flights, rung: str) -> list[Criterion]:
     return out
 
 
-def _safety(pairs: dict[str, Pairs]) -> Criterion:
+def _safety(pairs: Mapping[Method, Pairs]) -> Criterion:
     found = []
     for plane in DROAM:
         ours, theirs = safe_pairs(pairs[plane])
@@ -95,12 +97,12 @@ def _named(found: list[Criterion], verdict: str) -> list[str]:
 
 def superior(flights: Flights) -> Claim:
     """The claim of section 5.2, with the paired difference in clearance when flown as its effect."""
-    rails, flown = criteria(flights, "kinematic"), criteria(flights, "jsbsim")
+    rails, flown = criteria(flights, Rung.KINEMATIC), criteria(flights, Rung.JSBSIM)
     first = rule(rails, flown)
     nominal, words = draw_words(flights, CLEARANCE, DROAM, DRAWN)
     agree = agreement(first.word, nominal, words)
     ruling = robust(first, agree)
-    rung = "jsbsim" if flown and first.word != FAILS_KINEMATICALLY else "kinematic"
+    rung = Rung.JSBSIM if flown and first.word != FAILS_KINEMATICALLY else Rung.KINEMATIC
     return Claim(
         "words.superior",
         "Section 5.2",
@@ -110,9 +112,9 @@ def superior(flights: Flights) -> Claim:
         "least clearance of SCOAM minus that of the better DROAM",
         DRAWN,
         MAIN,
-        _nominal(flights, "kinematic"),
-        _nominal(flights, "point_mass"),
-        _nominal(flights, "jsbsim"),
+        _nominal(flights, Rung.KINEMATIC),
+        _nominal(flights, Rung.POINT_MASS),
+        _nominal(flights, Rung.JSBSIM),
         NO_SPREAD,
         ruling.word,
         ruling.condition,
@@ -140,22 +142,22 @@ def _effect(flights: Flights, rung: str) -> Effect:
 
 def _nominal(flights: Flights, rung: str) -> float:
     """In the encounter of section 5.2 that is one, in calm air: against the better of all four sides."""
-    found = paired(flights, CLEARANCE, "calm", rung, DROAM, encounter=DRAWN, flown_by=MAIN)
+    found = paired(flights, CLEARANCE, Part.CALM, rung, DROAM, encounter=DRAWN, flown_by=MAIN)
     return found.differences[0] if found.differences else NAN
 
 
 def _why(flights: Flights, rails: list[Criterion], flown: list[Criterion], ruling: Ruling) -> str:
     said = []
-    for rung, name, found in (("kinematic", "On rails", rails), ("jsbsim", "Flown", flown)):
+    for rung, name, found in ((Rung.KINEMATIC, "On rails", rails), (Rung.JSBSIM, "Flown", flown)):
         if found:
-            shares = [f"{percent(_share(flights, method, rung))} ({METHOD[method]})" for method in ("scoam", *DROAM)]
+            shares = [f"{percent(_share(flights, method, rung))} ({METHOD[method]})" for method in (Method.SCOAM, *DROAM)]
             told = [f"{verdict} in {listed(_named(found, verdict))}" for verdict in (BETTER, WORSE) if _named(found, verdict)]
             said.append(
                 f"{name} {listed(shares)} of the threats are kept clear; SCOAM is {' and '.join(told) or 'neither better nor worse'}."
             )
             said.append(f"Medians of its gain over HP and VP: {'; '.join(one.figures for one in found[1:])}; {found[0].figures}.")
     if not said:
-        told = [f"{say(_nominal(flights, rung), 'm')} {name}" for rung, name in (("kinematic", "on rails"), ("jsbsim", "flown"))]
+        told = [f"{say(_nominal(flights, rung), 'm')} {name}" for rung, name in ((Rung.KINEMATIC, "on rails"), (Rung.JSBSIM, "flown"))]
         said.append(
             f"In the one encounter of section 5.2 SCOAM's clearance minus the best DROAM's is {listed(told)}; one case ranks nothing."
         )

@@ -1,17 +1,18 @@
 """The tables behind the claims: methods case by case in calm air, methods by kind of air, flights by part."""
 
 from testbed.results.statistics import share_at_least, share_interval, spread
+from testbed.studies.scoam.labels import Axis, Method, Part, Rung
 from testbed.studies.scoam.verdict.model import AirCell, Case, Counted
 from testbed.studies.scoam.verdict.select import Flights, Row, clearance, flew, keeps, label, marginal, number
 
-CASE_RUNGS = ("kinematic", "point_mass", "jsbsim", "direct")
+CASE_RUNGS = (Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM, Rung.DIRECT)
 
 
 def cases(flights: Flights) -> tuple[Case, ...]:
     """Every method in every calm encounter, in order of appearance."""
-    names = [flights.values("calm", name) for name in ("encounter", "flown_by", "method")]
+    names = [flights.values(Part.CALM, name) for name in (Axis.ENCOUNTER, Axis.FLOWN_BY, Axis.METHOD)]
     every = [
-        (e, a, m, rung, flights.one("calm", m, rung, encounter=e, flown_by=a))
+        (e, a, m, rung, flights.one(Part.CALM, m, rung, encounter=e, flown_by=a))
         for e in names[0]
         for a in names[1]
         for m in names[2]
@@ -45,10 +46,11 @@ def air_cells(flights: Flights) -> tuple[AirCell, ...]:
     """Every method in every kind of air: steady wind by design and speed (all directions), turbulence by severity."""
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row in flights.all:
-        part = label(row, "part")
-        if part in ("wind", "turbulence") and flew(row) and label(row, "method") != "none":
-            design, strength = (label(row, "design"), label(row, "wind_mps")) if part == "wind" else (part, label(row, "severity"))
-            who = tuple(label(row, name) for name in ("encounter", "method", "flown_by", "rung"))
+        part = label(row, Axis.PART)
+        if part in (Part.WIND, Part.TURBULENCE) and flew(row) and label(row, Axis.METHOD) != Method.NONE:
+            windy = part == Part.WIND
+            design, strength = (label(row, Axis.DESIGN), label(row, Axis.WIND_MPS)) if windy else (part, label(row, Axis.SEVERITY))
+            who = tuple(label(row, name) for name in (Axis.ENCOUNTER, Axis.METHOD, Axis.FLOWN_BY, Axis.RUNG))
             groups.setdefault((design, strength, *who), []).append(row)
     return tuple(_air_cell(flights, key, rows) for key, rows in groups.items())
 
@@ -78,10 +80,10 @@ def _air_cell(flights: Flights, key: tuple[str, ...], rows: list[Row]) -> AirCel
 
 def counted(flights: Flights) -> tuple[Counted, ...]:
     """Flights by part."""
-    parts = list(dict.fromkeys(label(row, "part") for row in flights.all))
+    parts = list(dict.fromkeys(label(row, Axis.PART) for row in flights.all))
     out = []
     for part in parts:
-        rows = [row for row in flights.all if label(row, "part") == part]
+        rows = [row for row in flights.all if label(row, Axis.PART) == part]
         told = [row for row in rows if flew(row)]
         out.append(Counted(part, len(rows), len(rows) - len(told), sum(map(marginal, told))))
     return tuple(out)

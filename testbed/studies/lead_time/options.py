@@ -1,11 +1,13 @@
-"""A lead-time study: instead of one flight, each cell and replicate is a search for the least lead that suffices."""
+"""The options of a lead-time study: instead of one flight, each cell and replicate is a search for the least lead that suffices."""
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, Any
 
 from pydantic import Field, field_validator
 
+from testbed.campaign.words.settings import FlightPlan
 from testbed.core.frames import unit_from_direction
 from testbed.core.section import NonNegative, Positive, Section
 
@@ -15,7 +17,7 @@ STRAIGHT = 1e-9
 
 
 class LeadTime(Section):
-    """Turns every flight of the campaign into a search (``docs/lead_time.md``).
+    """What is searched for, and in which encounters (``docs/lead_time.md``).
 
     The obstacle is drawn, one for each replicate, the same for every method, plant and aircraft: its speed even in its range, its
     direction even on the sphere, its radius R even in its range, the miss vector of the two straight lines perpendicular to the relative
@@ -47,13 +49,18 @@ class LeadTime(Section):
             raise ValueError("the first is more than the second")
         return ends
 
-    def unfit(self, settings: dict[str, Any]) -> str | None:
+    @staticmethod
+    def of(plan: FlightPlan) -> "LeadTime":
+        """Those of a plan."""
+        return LeadTime.model_validate(plan.study.options)
+
+    def unfit(self, settings: Mapping[str, Any]) -> str | None:
         """Why flights with these settings cannot be searched; None if they can. Settings that are faulty themselves are absent."""
         if settings.get("obstacles"):
             return "draws the obstacle itself: leave out obstacles"
         rates = settings.get("rates")
         if rates and abs((ticks := self.run_up_s * rates.planner_hz) - round(ticks)) > 1e-9:
-            return f"run_up_s must be a whole number of looks of the planner, 1/{rates.planner_hz} s each"
+            return f"needs run_up_s to be a whole number of looks of the planner, 1/{rates.planner_hz} s each"
         if any(settings.get(key) is None for key in ("speed_mps", "route", "sensor", "air", "traffic")):
             return None
         wind, speed = settings["air"].wind, settings["speed_mps"]
