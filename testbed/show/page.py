@@ -9,6 +9,7 @@ from markupsafe import Markup
 from testbed.campaign.words.settings import Campaign
 from testbed.core.frames import direction_deg
 from testbed.core.units import DEG
+from testbed.flight.record import AVOIDING
 from testbed.results.checks import CheckResult
 from testbed.show import answer
 from testbed.show.answer import Row
@@ -165,7 +166,7 @@ def _decision(row: Row, event: Row, axes: Sequence[str]) -> dict[str, Any]:
         "method": event["method"],
         "obstacle": event["obstacle"],
         "decision": str(event["decision"]).replace("_", " "),
-        "done": event["decision"] in ("replanned", "rejoined"),
+        "done": event["decision"] in (*AVOIDING, "rejoined"),
         "cells": [
             number(value(event, "time_s"), 2),
             motion("own_vel_enu_mps"),

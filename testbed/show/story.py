@@ -107,6 +107,11 @@ def event_sentence(event: ReplanEvent) -> str:
     if event.decision == "rejoined":
         back = f"way back of {number(event.planned_length_m, 0)} m planned, {number(event.route_miss_m, 0)} m from the centre at least"
         return f"{event.obstacle}: clear, {back}"
+    if event.decision == "steered":
+        return f"{event.obstacle}: {event.method} steers, straight lines would pass {number(event.miss_m, 1)} m from the centre"
+    if event.decision == "planned":
+        path = f"{event.method} planned another path of {number(event.planned_length_m, 0)} m"
+        return f"{event.obstacle}: {path}" if event.obstacle else path
     if event.decision != "replanned":
         return f"{event.obstacle}: {event.method} kept the path, {event.decision.replace('_', ' ')} (status {event.status})"
     azimuth, elevation = direction_deg(event.command_enu_mps)

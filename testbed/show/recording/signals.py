@@ -4,7 +4,7 @@ import numpy as np
 import rerun as rr
 
 from testbed.core.units import DEG
-from testbed.flight.record import FlightRecord, inside
+from testbed.flight.record import AVOIDING, FlightRecord, inside
 from testbed.show import palette
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
@@ -91,7 +91,7 @@ def _log_events(stream: rr.RecordingStream, record: FlightRecord) -> None:
     ending = record.message or OUTCOME_TEXT.get(outcome, outcome)
     lines = [(float(time_s[0]), "INFO", f"start: {record.plan.plant.kind}, method {record.plan.method.kind}")]
     lines += [
-        (event.time_s, "INFO" if event.decision in ("replanned", "rejoined") else "WARN", event_sentence(event)) for event in record.events
+        (event.time_s, "INFO" if event.decision in (*AVOIDING, "rejoined") else "WARN", event_sentence(event)) for event in record.events
     ]
     for spec in record.plan.obstacles:
         hit = inside(record.columns[f"obstacle.{spec.name}.clearance_m"])
