@@ -73,13 +73,15 @@ def angle_deg(a: Array, b: Array) -> Array:
 
 
 def clear_row(record: FlightRecord, first: int, end: int) -> int | None:
-    """The first row from which on every obstacle opens at first and none is met any more; None when there is none."""
+    """The first row from which on every obstacle opens at first, or is gone, and none is met any more; None when there is none."""
     clear = np.ones(end + 1 - first, dtype=bool)
     for spec in record.plan.obstacles:
         relative = (record.columns[f"obstacle.{spec.name}.pos_enu_m"] - record.columns["own.pos_enu_m"])[first : end + 1]
         moving = (record.columns[f"obstacle.{spec.name}.vel_enu_mps"] - record.columns["own.vel_enu_mps"])[first : end + 1]
-        least = np.minimum.accumulate(record.columns[f"obstacle.{spec.name}.clearance_m"][first : end + 1][::-1])[::-1]
-        clear &= (np.einsum("ij,ij->i", relative, moving) > 0.0) & ~inside(least)
+        gone = np.isnan(record.columns[f"obstacle.{spec.name}.pos_enu_m"][first : end + 1, 0])
+        clearance = np.where(gone, np.inf, record.columns[f"obstacle.{spec.name}.clearance_m"][first : end + 1])
+        least = np.minimum.accumulate(clearance[::-1])[::-1]
+        clear &= ((np.einsum("ij,ij->i", relative, moving) > 0.0) | gone) & ~inside(least)
     found = np.flatnonzero(clear)
     return first + int(found[0]) if len(found) else None
 

@@ -78,7 +78,7 @@ def _places(points: Array) -> dict[str, list[float | None]]:
 def _clearance(record: FlightRecord) -> Array:
     """To the nearest obstacle at each row."""
     each = [record.columns[f"obstacle.{spec.name}.clearance_m"] for spec in record.plan.obstacles if len(record.columns["time_s"])]
-    return np.min(each, axis=0) if each else np.full(len(record.columns["time_s"]), math.nan)
+    return np.fmin.reduce(each) if each else np.full(len(record.columns["time_s"]), math.nan)
 
 
 def _roll_rate(record: FlightRecord) -> Array:
