@@ -9,11 +9,7 @@ from markupsafe import Markup
 from testbed.campaign.words.settings import Campaign
 from testbed.core.frames import direction_deg
 from testbed.core.units import DEG
-<<<<<<< HEAD
 from testbed.flight.record import NEW_PATH, Outcome
-=======
-from testbed.flight.record import AVOIDING
->>>>>>> flight
 from testbed.results.checks import CheckResult
 from testbed.results.columns import METRICS
 from testbed.results.rows import collided, keeps, value
@@ -165,13 +161,8 @@ def _decision(row: Row, event: Row, axes: Sequence[str]) -> dict[str, Any]:
         "flyer": answer.flyer(row),
         "method": words.method(str(event["method"])),
         "obstacle": event["obstacle"],
-<<<<<<< HEAD
         "decision": words.read_aloud(str(event["decision"])),
         "done": event["decision"] in NEW_PATH,
-=======
-        "decision": str(event["decision"]).replace("_", " "),
-        "done": event["decision"] in (*AVOIDING, "rejoined"),
->>>>>>> flight
         "cells": [
             number(value(event, "time_s"), 2),
             motion("own_vel_enu_mps"),

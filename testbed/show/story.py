@@ -88,19 +88,16 @@ def event_sentence(event: ReplanEvent) -> str:
     if event.decision == Decision.REJOINED:
         back = f"way back of {number(event.planned_length_m, 0)} m planned, {number(event.route_miss_m, 0)} m from the centre at least"
         return f"{event.obstacle}: clear, {back}"
-<<<<<<< HEAD
+    if event.decision == Decision.STEERED:
+        return (
+            f"{event.obstacle}: {words.method(event.method)} steers, straight lines would pass {number(event.miss_m, 1)} m from the centre"
+        )
+    if event.decision == Decision.PLANNED:
+        path = f"{event.method} planned another path of {number(event.planned_length_m, 0)} m"
+        return f"{event.obstacle}: {path}" if event.obstacle else path
     if event.decision != Decision.REPLANNED:
         why = f"{words.read_aloud(event.decision)} (status {words.read_aloud(event.status)})"
         return f"{event.obstacle}: {words.method(event.method)} kept the path, {why}"
-=======
-    if event.decision == "steered":
-        return f"{event.obstacle}: {event.method} steers, straight lines would pass {number(event.miss_m, 1)} m from the centre"
-    if event.decision == "planned":
-        path = f"{event.method} planned another path of {number(event.planned_length_m, 0)} m"
-        return f"{event.obstacle}: {path}" if event.obstacle else path
-    if event.decision != "replanned":
-        return f"{event.obstacle}: {event.method} kept the path, {event.decision.replace('_', ' ')} (status {event.status})"
->>>>>>> flight
     azimuth, elevation = direction_deg(event.command_enu_mps)
     bend = event.max_curvature_to_insertion_1pm
     path = f"least radius {number(radius_m(bend), 0)} m" if math.isfinite(bend) else "flown at once"

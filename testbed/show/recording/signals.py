@@ -4,14 +4,9 @@ import numpy as np
 import rerun as rr
 
 from testbed.core.units import DEG
-<<<<<<< HEAD
 from testbed.flight.record import NEW_PATH, FlightRecord, Outcome, inside
 from testbed.flight.signals import flat
 from testbed.show import palette, words
-=======
-from testbed.flight.record import AVOIDING, FlightRecord, inside
-from testbed.show import palette
->>>>>>> flight
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
 from testbed.show.story import changes, event_sentence, leg_names, who
@@ -88,19 +83,10 @@ def _log_states(
 
 def _log_events(stream: rr.RecordingStream, record: FlightRecord) -> None:
     time_s = record.columns["time_s"]
-<<<<<<< HEAD
     outcome = record.outcome
     ending = record.message or words.outcome_told(outcome)
     lines = [(float(time_s[0]), "INFO", f"start: {who(record)}, {words.method(record.plan.method.kind)}")]
     lines += [(event.time_s, "INFO" if event.decision in NEW_PATH else "WARN", event_sentence(event)) for event in record.events]
-=======
-    outcome = record.outcome.value
-    ending = record.message or OUTCOME_TEXT.get(outcome, outcome)
-    lines = [(float(time_s[0]), "INFO", f"start: {record.plan.plant.kind}, method {record.plan.method.kind}")]
-    lines += [
-        (event.time_s, "INFO" if event.decision in (*AVOIDING, "rejoined") else "WARN", event_sentence(event)) for event in record.events
-    ]
->>>>>>> flight
     for spec in record.plan.obstacles:
         hit = inside(record.columns[f"obstacle.{spec.name}.clearance_m"])
         if hit.any():
