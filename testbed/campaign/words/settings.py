@@ -316,8 +316,9 @@ class FlightPlan(FlightSettings):
 
     @property
     def plugged(self) -> tuple[Pluggable, ...]:
-        """Every section that names a part."""
-        return tuple(value for name in FlightSettings.model_fields if isinstance(value := getattr(self, name), Pluggable))
+        """Every section that names a part that the flight is made of: not a study that only judges it."""
+        sections = [value for name in FlightSettings.model_fields if isinstance(value := getattr(self, name), Pluggable)]
+        return tuple(section for section in sections if section is not self.study or self.study.part.flies)
 
     @field_validator("air")
     @classmethod
