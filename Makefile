@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time test fast bench report lock clean
+.PHONY: help paper paper-full verify lead-time test fast wheel-test bench report docs lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -28,19 +28,17 @@ paper: $(STAMP) ## the verdict on the paper, 20 seeds: reports/runs/paper/index.
 	$(BIN)/testbed run campaigns/paper.yaml --fresh > /dev/null; \
 	echo "main job: $$(( $$(date +%s) - start )) s (installation not included)"; echo reports/runs/paper/index.html
 
-# What is committed in reports/paper: more of everything that is drawn, and the recordings that the page links to.
+# More of everything that is drawn. What is small of it is committed in reports/paper; recordings and results.csv stay in the run.
 FULL := reports/runs/paper-full
-paper-full: $(STAMP) ## the verdict with 100 seeds, 1000 encounters, 500 draws; verified; into reports/paper
+paper-full: $(STAMP) ## the verdict with 100 seeds, 1000 encounters, 500 draws; verified; page into reports/paper
 	$(BIN)/testbed run campaigns/paper.yaml --fresh --out $(FULL) --set parts.turbulence.replicates=100 \
 	  --set parts.population.replicates=1000 --set parts.robustness_single.replicates=501 --set parts.robustness_multi.replicates=501
-	$(BIN)/python reports/verify.py $(FULL)
+	$(BIN)/python reports/verify $(FULL)
 	$(BIN)/testbed audit
-	mkdir -p reports/paper/recordings
-	cp $(FULL)/index.html $(FULL)/verdict.csv $(FULL)/results.csv reports/paper/
-	cp $(FULL)/recordings/*.rrd reports/paper/recordings/
+	$(BIN)/python reports/publish.py $(FULL) reports/paper
 
 verify: $(STAMP) ## recompute the verdict of `make paper` from its raw columns, without the testbed's code
-	$(BIN)/python reports/verify.py reports/runs/paper
+	$(BIN)/python reports/verify reports/runs/paper
 
 lead-time: $(STAMP) ## the lead-time study, about half an hour: reports/lead_time
 	$(BIN)/testbed run campaigns/lead_time.yaml --fresh
@@ -57,11 +55,19 @@ test: $(STAMP) ## style, types, import order, all tests
 fast: $(STAMP) ## the tests that take no longer than a second
 	$(BIN)/pytest -n auto -m "not slow and not browser and not viewer"
 
+# For who releases: not part of `make test`, because the packages of other Pythons are not in the lock.
+PYTHONS ?=
+wheel-test: $(STAMP) ## install the wheel into empty environments of Python 3.11, 3.12, 3.13 (or PYTHONS="...") and fly a study there
+	$(BIN)/python tests/package/on_each_python.py $(PYTHONS)
+
 bench: $(STAMP) ## time a flight against the bare stepping of its plant
 	$(BIN)/testbed bench
 
 report: $(STAMP) ## write the page and tables of the paper's campaign again, without flying
 	$(BIN)/testbed report reports/runs/paper
+
+docs: $(STAMP) ## write docs/results.md again: every column and signal with its unit and definition
+	$(BIN)/python docs/make_results.py
 
 # No index and no folder of wheels is written down: the hashes say what the packages are, pip's configuration says where they are.
 lock: ## choose versions again: the newest that fit pyproject.toml, for Python 3.11 on x86-64 Linux
@@ -73,4 +79,4 @@ lock: ## choose versions again: the newest that fit pyproject.toml, for Python 3
 
 clean: ## remove the environment and caches; runs stay
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
-	find testbed vosc tests -name __pycache__ -prune -exec rm -rf {} +
+	find testbed vosc tests reports -name __pycache__ -prune -exec rm -rf {} +

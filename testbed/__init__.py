@@ -3,6 +3,9 @@
 from testbed import load_campaign, expand, fly, measure
 for plan in expand(load_campaign("campaigns/smoke.yaml")):
 print(plan.cell, measure(fly(plan)).least_clearance_m)
+
+from testbed import open_run
+open_run("reports/runs/smoke").results  # one row a flight, a pandas table
 """
 
 from typing import TYPE_CHECKING, Any
@@ -11,13 +14,15 @@ if TYPE_CHECKING:
     from testbed.campaign import expand, load_campaign
     from testbed.flight.fly import fly
     from testbed.results.metrics import measure
+    from testbed.run.opened import open_run
 
-__all__ = ["expand", "fly", "load_campaign", "measure"]
+__all__ = ["expand", "fly", "load_campaign", "measure", "open_run"]
 _HOME = {
     "fly": "testbed.flight.fly",
     "measure": "testbed.results.metrics",
     "expand": "testbed.campaign",
     "load_campaign": "testbed.campaign",
+    "open_run": "testbed.run.opened",
 }
 
 

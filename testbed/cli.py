@@ -105,14 +105,16 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
+    context: typer.Context,
     _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
     aircraft_path: Annotated[
         list[Path] | None, typer.Option(metavar="DIR", help="Look for aircraft here too: folders with an aircraft.yaml in them.")
     ] = None,
 ) -> None:
-    if aircraft_path:
-        from testbed.core.catalogue import add_aircraft_path
+    from testbed.core.catalogue import add_aircraft_path, aircraft_beside
 
+    context.with_resource(aircraft_beside(Path()))
+    if aircraft_path:
         with _bad_input():
             for root in aircraft_path:
                 try:
@@ -134,8 +136,11 @@ def run(
     ] = None,
 ) -> None:
     """Fly a campaign, or what is left of it; the last line on stdout is the run directory."""
-    with _bad_input():
+    from testbed.core.catalogue import aircraft_beside
+
+    with _bad_input(), aircraft_beside(file.parent):
         from testbed.run import progress, runner
+        from testbed.run.engines import usable_cores
 
         overrides = tuple(override or ())
         try:
@@ -144,7 +149,7 @@ def run(
                     source=file,
                     out=out,
                     overrides=overrides,
-                    engine=_engine(engine, workers or len(os.sched_getaffinity(0)), scheduler),
+                    engine=_engine(engine, workers or usable_cores(), scheduler),
                     fresh=fresh,
                     command=("testbed", *sys.argv[1:]),
                     progress=show,
@@ -175,7 +180,9 @@ def _without_fresh(arguments: list[str]) -> list[str]:
 
 def _summarise(summary: "Summary") -> None:
     """What came out, on stderr; the run directory, on stdout; the exit code."""
-    outcomes = ", ".join(f"{count} {outcome}" for outcome, count in sorted(summary.outcomes.items()))
+    from testbed.show import words
+
+    outcomes = words.outcomes(summary.outcomes)
     flown = sum(summary.outcomes.values())
     _say(f"{flown} of {summary.planned} flights ({summary.flown_now} flown now): {outcomes or 'none'}", sys.stderr)
     if summary.crashed:
@@ -200,12 +207,14 @@ def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help
     with _bad_input():
         from testbed.campaign import SpecError, expand, load_campaign
         from testbed.campaign.words.grid import PART
+        from testbed.core.catalogue import aircraft_beside
 
         bad = False
         for file in files:
             try:
-                campaign = load_campaign(file)
-                plans = expand(campaign)
+                with aircraft_beside(file.parent):
+                    campaign = load_campaign(file)
+                    plans = expand(campaign)
             except SpecError as problems:
                 _say(str(problems), sys.stderr)
                 bad = True
@@ -252,6 +261,19 @@ def replay(
 
 
 @app.command()
+def init(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="A new folder, or one without files of these names.")],
+    examples: Annotated[bool, typer.Option("--examples", help="The project's own campaigns too, to copy from: DIR/examples/.")] = False,
+) -> None:
+    """Begin a study of your own: write a first campaign, its schema for editors, and what to type next."""
+    with _bad_input():
+        from testbed.run.init import begin_study
+
+        for file in begin_study(directory, examples):
+            _say(str(file))
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of a campaign, for editors."""
     from testbed.campaign import schema as campaign_schema
@@ -260,21 +282,36 @@ def schema() -> None:
 
 
 @app.command("list")
-def list_parts(what: Annotated[Literal["aircraft", "methods", "guidance", "plants"] | None, typer.Argument()] = None) -> None:
+def list_parts(
+    what: Annotated[Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic"] | None, typer.Argument()] = None,
+) -> None:
     """What a campaign can name: one name a line, or everything."""
-    from typing import get_args
-
-    from testbed.campaign.words.settings import GuidanceSpec, PlantSpec
+    from testbed.core import registry
     from testbed.core.catalogue import aircraft_folders
-    from vosc.methods import METHODS
 
-    parts: dict[str, list[str]] = {
-        "aircraft": list(aircraft_folders()),
-        "methods": list(METHODS),
-        "guidance": list(get_args(GuidanceSpec.model_fields["kind"].annotation)),
-        "plants": list(get_args(PlantSpec.model_fields["kind"].annotation)),
-    }
+    parts: dict[str, list[str]] = {"aircraft": list(aircraft_folders())}
+    parts |= {family.plural: registry.names(family.name) for family in registry.FAMILIES.values() if family.name != "study"}
     _say("\n".join(parts[what]) if what else "\n".join(f"{kind + ':':10} {', '.join(names)}" for kind, names in parts.items()))
+
+
+@app.command()
+def check(
+    family: Annotated[Literal["method", "guidance", "planner"], typer.Argument(metavar="FAMILY", help="method, guidance or planner.")],
+    kind: Annotated[str, typer.Argument(help="A name, or FILE:NAME in a file of your own: tangent:avoid is avoid in ./tangent.py.")],
+    option: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="An option of the part, YAML value.")] = None,
+) -> None:
+    """Try what a part promises, and say in words what it breaks; exit 1 when it breaks anything."""
+    with _bad_input():
+        from testbed.contracts.check import CheckError, given_options
+        from testbed.contracts.check import check as tried
+
+        try:
+            kept, lines = tried(family, kind, given_options(option or ()))
+        except CheckError as problem:
+            _fail(str(problem))
+    for line in lines:
+        _say(line)
+    raise typer.Exit(0 if kept else CRASHED)
 
 
 @app.command()
@@ -293,6 +330,8 @@ def tune(
     """Find an aircraft's gains: linearise, place the loops, identify the lags, verify in steps."""
     with _bad_input():
         _need_aircraft(name)
+        if write:
+            _refuse_installed(name)
         from testbed.airframe.tune import TuneFailedError
         from testbed.airframe.tune import tune as find
 
@@ -319,4 +358,11 @@ def _need_aircraft(name: str) -> None:
     from testbed.core.catalogue import aircraft_folders
 
     if name not in (known := aircraft_folders()):
-        _fail(f"no aircraft '{name}'; there are: {', '.join(known)}")
+        _fail(f"no aircraft '{name}'; there are: {', '.join(known) or 'none'} (`testbed --aircraft-path DIR` looks elsewhere too)")
+
+
+def _refuse_installed(name: str) -> None:
+    from testbed.core.catalogue import aircraft_folders, is_installed
+
+    if is_installed(folder := aircraft_folders()[name]):
+        _fail(f"{name} belongs to the installed package, which is not written to: copy {folder} to aircraft/{name}, or take --dry-run")

@@ -11,7 +11,8 @@ import pytest
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.record import FlightMetrics, FlightRecord, Outcome, PlannedPath, ReplanEvent
+from testbed.flight.record import FlightRecord, Outcome, PlannedPath, ReplanEvent, kept_clear
+from testbed.results.columns import FlightMetrics
 from vosc import ph
 
 CHROMIUM = shutil.which("chromium")
@@ -150,7 +151,8 @@ def metrics(flight: FlightRecord) -> FlightMetrics:
         airspeed_rms_error_mps=0.2, wind_along_std_mps=0.0, schedule_part_m=0.1, cross_track_part_m=-0.2, route_miss_m=7.2,
         deflection_ground_deg=12.31, flown_deflection_deg=12.2, flown_deflection_air_deg=12.2, peak_deflection_deg=23.6,
         peak_deflection_air_deg=23.6, avoidance_time_s=1.8, insertion_miss_m=0.2, clear_time_s=2.1, rejoin_time_s=6.4,
-        rejoin_length_m=321.0,
+        rejoin_length_m=321.0, kept_clear=kept_clear(float(clearance[at])), encounter_radius_m=25.0, encounter_speed_mps=30.0,
+        encounter_closing_mps=64.0, encounter_miss_m=10.8, encounter_crossing_deg=132.0,
     )  # fmt: skip
 
 

@@ -5,9 +5,9 @@ SI units and radians; any right-handed frame with z up. The library needs numpy 
 """
 
 from vosc import ph
-from vosc.encounter import Obstacle, Own, Threat, threat
+from vosc.encounter import Obstacle, Own, Threat, threat, threatening
 from vosc.insertion import Insertion, insertion_point
 from vosc.insertion_reach import Join, widest_join
 from vosc.spherical_cap import Cap, cap
 
-__all__ = ["Cap", "Insertion", "Join", "Obstacle", "Own", "Threat", "cap", "insertion_point", "ph", "threat", "widest_join"]
+__all__ = ["Cap", "Insertion", "Join", "Obstacle", "Own", "Threat", "cap", "insertion_point", "ph", "threat", "threatening", "widest_join"]

@@ -14,6 +14,7 @@ obstacle faster, stationary, own at rest   nothing special: only the relative ve
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from vosc.vec import FloatArray, Vec, array, dot, norm, sub, three
@@ -35,11 +36,15 @@ class Own:
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A moving sphere: position of its centre (m), velocity (m/s), radius (m, > 0). ``ValueError`` if that is not what is given."""
+    """A moving sphere: position of its centre (m), velocity (m/s), radius (m, > 0). ``ValueError`` if that is not what is given.
+
+    ``is_threat`` is what whoever sees it says of it; None when nobody does. A method may look at obstacles that are no threat.
+    """
 
     pos_m: Vec
     vel_mps: Vec
     radius_m: float
+    is_threat: bool | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pos_m", three("Obstacle.pos_m", self.pos_m))
@@ -70,6 +75,11 @@ class Threat:
     miss_m: float
     distance_m: float
     inside: bool
+
+
+def threatening(obstacles: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
+    """Those that are marked as threats, and those that are not marked at all."""
+    return tuple(obstacle for obstacle in obstacles if obstacle.is_threat is not False)
 
 
 def relative_velocity(own_vel_mps: Vec, obstacle_vel_mps: Vec) -> tuple[Vec, float]:

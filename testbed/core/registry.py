@@ -5,12 +5,13 @@ beside the parts (``vosc.methods.METHODS``, ``testbed.flight.plants.PLANTS``, ..
 ``"module:attribute"``, which is imported on first use. An installed distribution adds names by an entry point of the group
 ``testbed.<plural>``. A campaign adds files by ``plugins: [./tangent.py]`` and names what is in them ``"tangent:avoid"``.
 
-A part is a callable. The testbed gives it its first parameters (``Family.given``); the others are the options that a campaign may set.
+A part is a callable. The testbed gives it its first parameters (``given``); the others are the options that a campaign may set.
 """
 
 from __future__ import annotations
 
 import importlib
+import inspect
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -22,12 +23,16 @@ from testbed.core import plugins
 
 @dataclass(frozen=True)
 class Family:
-    """One plug point. ``table`` is where its built-in parts stand; ``given`` how many parameters of a part are no options."""
+    """One plug point. ``table`` is where its built-in parts stand; ``given`` how many parameters of a part are no options.
+
+    ``given_to_class`` is the same for a part that is a class, where that differs.
+    """
 
     name: str
     plural: str
     table: str
     given: int
+    given_to_class: int | None = None
 
     @property
     def group(self) -> str:
@@ -38,11 +43,11 @@ class Family:
 FAMILIES: dict[str, Family] = {
     family.name: family
     for family in (
-        Family("method", "methods", "vosc.methods:METHODS", given=2),  # own, obstacles
+        Family("method", "methods", "vosc.methods:METHODS", given=2, given_to_class=0),  # own, obstacles; a law over time
         Family("planner", "planners", "testbed.flight.planning:PLANNERS", given=0),
         Family("guidance", "guidance", "testbed.flight.guidance:GUIDANCE", given=1),  # its setting: aircraft, speed, step
         Family("plant", "plants", "testbed.flight.plants:PLANTS", given=1),  # its setting: aircraft, start, scene, rates
-        Family("sensor", "sensors", "testbed.flight.sensing:SENSORS", given=4),
+        Family("sensor", "sensors", "testbed.flight.sensing:SENSORS", given=0),
         Family("traffic", "traffic", "testbed.flight.traffic:TRACKS", given=1),  # the obstacle's setting
         Family("study", "studies", "testbed.studies:STUDIES", given=0),
         Family("command", "commands", "testbed.studies:COMMANDS", given=0),  # of `testbed`; what it returns are lines to print
@@ -56,6 +61,12 @@ class UnknownPartError(ValueError):
     def __init__(self, family: Family, kind: str, known: list[str]) -> None:
         self.family, self.kind, self.known = family, kind, known
         super().__init__(f"no {family.name} '{kind}'; there are: {', '.join(known)}")
+
+
+def given(family: str, found: Any) -> int:
+    """How many leading parameters of a part the testbed gives it; the others are its options."""
+    of = FAMILIES[family]
+    return of.given_to_class if of.given_to_class is not None and inspect.isclass(found) else of.given
 
 
 def names(family: str) -> list[str]:

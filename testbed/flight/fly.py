@@ -3,25 +3,28 @@
     traffic -> sensor -> planner -> path -> guidance -> plant -> log
 
 ``fly`` is pure seen from outside: same plan, same record, in any order, process or worker count. The loop never asks which
-plant it has. Time is an integer tick.
+plant, planner or sensor it has. Time is an integer tick.
 """
 
 import math
 import struct
 from collections.abc import Callable
 from time import perf_counter
+from typing import Any, NamedTuple
 
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core import registry
+from testbed.core.seeds import stream
 from testbed.flight.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.guidance.law import GuidanceSetting, Law, SpeedHold
 from testbed.flight.log import FlightLog, finish
-from testbed.flight.path import ActivePath
-from testbed.flight.planning.replan import Memory as PlannerMemory
-from testbed.flight.planning.replan import Planner
+from testbed.flight.path import ActivePath, Path
+from testbed.flight.planning.context import Planner, make_context
+from testbed.flight.planning.own import asked
 from testbed.flight.plants.base import Plant, PlantSetting, Start, State, TrimFailedError
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.scene import Scene, make_scene
+from testbed.flight.sensing.base import NOTHING, Sensor, SensorContext
 from testbed.flight.variation import varied
 
 GOAL_GATE_M = 20.0  # reached = crossing the goal's plane within this distance
@@ -29,7 +32,7 @@ NEAR_GOAL_M = 200.0  # the goal's plane counts only on the last of the path
 HIGHEST_M = 1e5  # a state above this has diverged
 LOW_M = 50.0  # nearer to the ground than this, a wing or a wheel may touch it
 
-Until = Callable[[float, State, ActivePath, float], bool]  # time (s), state, active path, arc length on it (m) -> enough?
+Until = Callable[[float, State, Path, float], bool]  # time (s), state, active path, arc length on it (m) -> enough?
 
 
 def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None) -> FlightRecord:
@@ -50,30 +53,36 @@ def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None) -> Flig
         plant = make_plant(plan, aircraft, start_of(plan, scene), scene)
     except TrimFailedError as error:
         return finish(log, scene, Outcome.TRIM_FAILED, str(error), {"set_up_s": perf_counter() - began})
-    law = make_law(plan, aircraft)
+    blocks = _Blocks(make_sensor(plan), make_planner(plan), make_law(plan, aircraft), plant)
     ready = perf_counter()
-    planner = Planner(plan, scene)
-    outcome, message = _loop(plan, scene, path, planner, plant, law, log, until(scene) if until else None)
+    memories = (blocks.sensor.start(sensor_context(plan)), blocks.planner.start(make_context(plan, scene, aircraft)))
+    outcome, message = _loop(plan, scene, path, blocks, memories, log, until(scene) if until else None)
     flown = perf_counter()
-    return finish(log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": flown - ready, "answer_s": planner.slowest_s}, plant)
+    return finish(
+        log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": flown - ready, "answer_s": blocks.planner.slowest_s}, plant
+    )
+
+
+class _Blocks(NamedTuple):
+    """What the loop runs: the blocks of the diagram."""
+
+    sensor: Sensor
+    planner: Planner
+    law: Law
+    plant: Plant
 
 
 def _loop(
-    plan: FlightPlan,
-    scene: Scene,
-    path: ActivePath,
-    planner: Planner,
-    plant: Plant,
-    law: Law,
-    log: FlightLog,
-    until: Until | None,
+    plan: FlightPlan, scene: Scene, path: Path, blocks: _Blocks, memories: tuple[Any, Any], log: FlightLog, until: Until | None
 ) -> tuple[Outcome, str]:
-    """The block diagram."""
+    """The block diagram. ``memories``: of the sensor and of the planner."""
     hz, ticks_per_command = plan.rates.plant_hz, range(plan.rates.plant_hz // plan.rates.guidance_hz)
     planner_every = hz // plan.rates.planner_hz
-    planned, memory = PlannerMemory(), law.start(scene.begin_s_m)
+    sensor, planner, law, plant = blocks
+    (sensed, planned), memory, seen = memories, law.start(scene.begin_s_m), NOTHING
     plant.follow(path, scene.begin_s_m)
     ended = _Ending(plan, scene)
+    traffic, sense, look = scene.traffic, sensor.sense, planner.step
     step, read, write = plant.step, plant.sample, log.samples.append  # looked up once: these run at the plant's rate
     sample = read()
     pack = struct.Struct(f"{len(sample)}d").pack
@@ -81,18 +90,21 @@ def _loop(
     tick = 0
     while True:
         state = plant.state(sample)
+        time_s, due = tick / hz, tick % planner_every == 0
         if ended.check(tick, state, path.length_m - memory.s_m, plant):
             return ended.outcome, ended.message
-        if until is not None and until(tick / hz, state, path, memory.s_m):
+        if until is not None and until(time_s, state, path, memory.s_m):
             return Outcome.STOPPED, "stopped before the goal"
-        if tick % planner_every == 0:
-            planned, new_path, event = planner.step(planned, tick / hz, state, path, memory.s_m)
+        if due:
+            sensed, seen = sense(sensed, time_s, state, traffic)
+        if due or not path.lasting:
+            planned, new_path, event = look(planned, time_s, state, seen, path, memory.s_m)
             if event is not None:
                 log.events.append(event)
             if new_path is not None:
-                path, memory = new_path, law.start(0.0)
-                plant.follow(path, 0.0)
-                log.change_path(tick / hz, path)
+                path, memory = new_path, law.start(new_path.begin_s_m)
+                plant.follow(path, path.begin_s_m)
+                log.change_path(time_s, path)
         command, memory, telemetry = law.step(memory, state, path)
         log.guide(telemetry, plant.command(state, command))
         for _ in ticks_per_command:
@@ -100,6 +112,22 @@ def _loop(
             sample = read()
             write(pack(*sample))
             tick += 1
+
+
+def make_sensor(plan: FlightPlan) -> Sensor:
+    """The sensor that the plan asks for."""
+    sensor: Sensor = registry.part("sensor", plan.sensor.kind, plan.plugins)(**plan.sensor.options)
+    return sensor
+
+
+def sensor_context(plan: FlightPlan) -> SensorContext:
+    """What it is told."""
+    return SensorContext(plan.sensor.range_m, plan.rates.planner_hz, stream(plan.seed, plan.replicate, "sensor"))
+
+
+def make_planner(plan: FlightPlan) -> Planner:
+    """The planner that the plan asks for."""
+    return asked(plan.planner.kind, registry.part("planner", plan.planner.kind, plan.plugins)(**plan.planner.options))
 
 
 def make_plant(plan: FlightPlan, aircraft: Aircraft, start: Start, scene: Scene) -> Plant:

@@ -9,15 +9,14 @@ from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import quat_xyzw_from_euler
 from testbed.flight.guidance.law import Telemetry
-from testbed.flight.path import ActivePath
+from testbed.flight.path import ActivePath, Path
 from testbed.flight.plants.base import Plant, State
-from testbed.flight.record import FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
+from testbed.flight.record import ANSWERED, FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
 from testbed.flight.scene import Scene
 from testbed.flight.traffic.track import least_clearance
 
 Array = np.ndarray
 _GUIDANCE_ROW = struct.Struct(f"{len(Telemetry._fields) + 1}d").pack
-ANSWERED = ("replanned", "rejoined", "none", "clear")  # decisions after which the flight is not one without a path
 STATE_COLUMNS = {  # State field -> column
     "bank": "own.bank_rad",
     "pitch": "own.pitch_rad",
@@ -49,9 +48,10 @@ class FlightLog:
         s_m, bank, load_factor, limited = telemetry
         self.guidance.append(_GUIDANCE_ROW(s_m, bank, load_factor, limited, at_stop))
 
-    def change_path(self, time_s: float, path: ActivePath) -> None:
-        """Guidance follows ``path`` from ``time_s`` on."""
-        self.paths.append((time_s, path))
+    def change_path(self, time_s: float, path: Path) -> None:
+        """Guidance follows ``path`` from ``time_s`` on. Where a law steers, the path that it left stays the one to compare with."""
+        if isinstance(path, ActivePath):
+            self.paths.append((time_s, path))
 
 
 def finish(
@@ -99,11 +99,11 @@ def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[
     columns |= _path_columns(log, columns["own.pos_enu_m"], time_s, columns["guidance.s_m"])
     closest = np.inf
     for track in scene.tracks if scene else ():
-        centre = np.asarray(track.pos) + np.outer(time_s, track.vel)
+        centre, velocity = track.sampled(time_s)
         columns[f"obstacle.{track.name}.pos_enu_m"] = centre
-        columns[f"obstacle.{track.name}.vel_enu_mps"] = np.tile(track.vel, (len(time_s), 1))
-        columns[f"obstacle.{track.name}.clearance_m"] = np.linalg.norm(columns["own.pos_enu_m"] - centre, axis=1) - track.radius
-        closest = min(closest, least_clearance(time_s, columns["own.pos_enu_m"], centre, track.radius).clearance_m)
+        columns[f"obstacle.{track.name}.vel_enu_mps"] = velocity
+        columns[f"obstacle.{track.name}.clearance_m"] = np.linalg.norm(columns["own.pos_enu_m"] - centre, axis=1) - track.radius_m
+        closest = min(closest, least_clearance(time_s, columns["own.pos_enu_m"], centre, track.radius_m).clearance_m)
     return columns, closest
 
 

@@ -1,21 +1,25 @@
-"""What comes out of a flight: outcome, record, re-plans, metrics. Frozen values; arrays are never written to again."""
+"""What comes out of a flight: outcome, record, re-plans. Frozen values; arrays are never written to again."""
 
 import math
 from dataclasses import dataclass
-from enum import Enum
-from typing import Any
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
+from testbed.flight.signals import flat, units_of
 from vosc import ph
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = np.ndarray
 
 
-class Outcome(Enum):
+class Outcome(StrEnum):
     """How a flight ended, in order of precedence: the first that applies is reported."""
 
     CRASHED = "crashed"  # the program failed (a bug); the traceback is stored with the plan
@@ -29,6 +33,30 @@ class Outcome(Enum):
     STOPPED = "stopped"  # whoever had it flown had seen enough
 
 
+class Decision(StrEnum):
+    """What the planner did about a threat: a new path, or why the path did not change."""
+
+    REPLANNED = "replanned"  # the path avoids
+    STEERED = "steered"  # from here on a law steers, until the flight is clear
+    PLANNED = "planned"  # a planner of somebody's own has another path
+    REJOINED = "rejoined"  # the path leads back
+    NONE = "none"  # the flight has no method
+    CLEAR = "clear"  # the method finds no cone to leave: the path is kept
+    NO_INSERTION_POINT = "no_insertion_point"
+    NO_PATH = "no_path"
+    NO_FREE_DIRECTION = "no_free_direction"  # as the method says, and so are the next two
+    INSIDE = "inside"
+    UNDEFINED = "undefined"
+
+
+AVOIDING = frozenset({Decision.REPLANNED, Decision.STEERED, Decision.PLANNED})
+"""Decisions by which a flight left the path that it was on."""
+NEW_PATH = AVOIDING | {Decision.REJOINED}
+"""Decisions after which the flight follows another path."""
+ANSWERED = NEW_PATH | {Decision.NONE, Decision.CLEAR}
+"""Decisions after which the flight is not one without a path."""
+
+
 TOUCH_M = 1e-6
 """A velocity on the edge of a velocity obstacle passes at the radius exactly: up to so far inside is rounding and no collision."""
 
@@ -36,6 +64,20 @@ TOUCH_M = 1e-6
 def inside(clearance_m: Any) -> Any:
     """Does a clearance (a float or an array) mean a collision? NaN does not."""
     return clearance_m < -TOUCH_M
+
+
+LOST = frozenset({Outcome.DIVERGED, Outcome.HIT_GROUND})
+"""Outcomes of a flight that did not go on, whatever it was clear of."""
+
+
+def kept_clear(least_clearance_m: float) -> bool | None:
+    """Was every radius kept? None where nothing was flown, or there was none to keep."""
+    return None if math.isnan(least_clearance_m) else not inside(least_clearance_m)
+
+
+def kept_and_flew_on(outcome: str, least_clearance_m: float) -> bool:
+    """Did the flight keep every radius to its end? One that hit the ground or left its model's envelope did not."""
+    return outcome not in LOST and kept_clear(least_clearance_m) is True
 
 
 @dataclass(frozen=True)
@@ -56,17 +98,13 @@ class PlannedPath:
 
 @dataclass(frozen=True)
 class ReplanEvent:
-    """One decision of the planner, with its inputs and its result. Vectors are ENU; unknown quantities are NaN.
-
-    ``decision`` is ``replanned`` (the path avoids), ``rejoined`` (the path leads back), or why the path did not change:
-    ``none``, ``no_insertion_point``, ``no_free_direction``, ``inside``, ``undefined``, ``no_path``.
-    """
+    """One decision of the planner, with its inputs and its result. Vectors are ENU; unknown quantities are NaN."""
 
     time_s: float
     obstacle: str
-    decision: str
+    decision: Decision
     method: str
-    status: str  # of the method, see vosc.methods
+    status: str  # of the method, a ``Status``; the decision where a law or a planner of somebody's own made it
     own_pos_enu_m: Vec3
     own_vel_enu_mps: Vec3
     obstacle_pos_enu_m: Vec3
@@ -95,21 +133,7 @@ class ReplanEvent:
 
 @dataclass(frozen=True)
 class FlightRecord:
-    """Everything that happened, one row per plant tick.
-
-    ``columns``: ``time_s`` (n,); ``own.pos_enu_m`` ``own.vel_enu_mps`` (n,3); ``own.quat_enu_from_body_xyzw`` (n,4);
-    ``own.bank_rad`` ``own.pitch_rad`` ``own.heading_rad`` ``own.load_factor`` ``own.airspeed_mps`` ``own.alpha_rad``
-    ``own.beta_rad`` (n,); ``own.rates_body_radps`` (n,3); ``own.throttle`` ``own.elevator`` ``own.aileron`` ``own.rudder`` (n,) commands;
-    ``air.wind_enu_mps`` (n,3) velocity of the air over the ground at the aircraft, gusts included: airspeed = |velocity - wind|;
-    ``air.rotation_body_radps`` (n,3) angular velocity of the air about the wing in body axes, which the aerodynamics feel taken off the
-    aircraft's rates: 0 in calm air, NaN for a point;
-    ``guidance.s_m`` ``guidance.bank_cmd_rad`` ``guidance.load_factor_cmd`` (n,), ``guidance.saturated`` (n,) 0 or 1,
-    and why: ``guidance.limited`` (n,) 1 for bank plus 2 for load factor, ``own.at_stop`` (n,) 1 when a surface is at its stop;
-    ``path.index`` (n,) which of ``paths`` was active; ``path.leg`` (n,) piece of that path;
-    ``path.s_m`` (n,) arc length of its nearest point, ``path.cross_track_m`` (n,) 3-D distance to it, both exact;
-    ``obstacle.<name>.pos_enu_m`` ``obstacle.<name>.vel_enu_mps`` (n,3); ``obstacle.<name>.clearance_m`` (n,).
-    What a plant does not have (control deflections of a point) is NaN.
-    """
+    """Everything that happened. ``columns``: the signals that ``testbed.flight.signals`` declares, one row per plant tick."""
 
     plan: FlightPlan
     outcome: Outcome
@@ -120,48 +144,10 @@ class FlightRecord:
     longest_s: float = math.inf  # how long the flight was allowed to take
     timings: tuple[tuple[str, float], ...] = ()  # wall-clock seconds per stage; not part of the result
 
+    def frame(self) -> "pd.DataFrame":
+        """The signals as a table, a row a plant tick, vectors by their parts; ``frame.attrs["units"]`` has the unit of each column."""
+        import pandas as pd
 
-@dataclass(frozen=True)
-class FlightMetrics:
-    """One row of results.csv, apart from who the flight is. NaN where a quantity does not exist for this flight."""
-
-    outcome: str
-    least_clearance_m: float
-    time_at_least_clearance_s: float
-    nearest_obstacle: str
-    replans: int
-    trigger_time_s: float
-    deflection_deg: float
-    path_length_m: float
-    flight_time_s: float
-    cross_track_rms_m: float
-    cross_track_max_m: float
-    schedule_error_s: float
-    max_bank_deg: float
-    max_load_factor: float
-    min_load_factor: float
-    max_roll_rate_dps: float
-    min_airspeed_mps: float
-    max_airspeed_mps: float
-    max_alpha_deg: float
-    planned_length_m: float
-    planned_min_radius_m: float
-    planned_clearance_m: float  # of a point that keeps to the planned paths and their schedule
-    schedule_part_m: float  # what being early or late on the path added to it; with the next one the sum is least_clearance_m
-    cross_track_part_m: float  # what being off the path added
-    saturated_share: float
-    limits_hit: str  # bank load_factor roll_rate surface thrust, those that were reached
-    airspeed_rms_error_mps: float  # from the set speed
-    wind_along_std_mps: float  # standard deviation of the air's velocity along the flight
-    begin_s_m: float
-    route_miss_m: float  # least distance to the threat's centre along the path flown at the first decision
-    deflection_ground_deg: float  # commanded, over the ground; deflection_deg is the planner's, through the air that it knows
-    flown_deflection_deg: float  # of the velocity over the ground at the closest passage of the insertion point
-    flown_deflection_air_deg: float  # the same, of the velocity through the air
-    peak_deflection_deg: float  # largest before the flight is clear, over the ground
-    peak_deflection_air_deg: float
-    avoidance_time_s: float  # trigger to the closest passage of the insertion point
-    insertion_miss_m: float  # distance there
-    clear_time_s: float  # trigger to clear: every obstacle opens, and the rest of the flight keeps every radius
-    rejoin_time_s: float  # trigger to back on the route for good (within 5 m)
-    rejoin_length_m: float  # ground arc until then
+        frame = pd.DataFrame(flat(self.columns))
+        frame.attrs |= {"flight_id": self.plan.flight_id, "units": units_of(self.columns)}
+        return frame

@@ -1,4 +1,4 @@
-"""The stage of a flight: route, where it begins, and every obstacle's straight line, in the frame that is flown."""
+"""The stage of a flight: route, where it begins, and every obstacle's track, in the frame that is flown."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,13 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbed.campaign.words.settings import FlightPlan, Point
+from testbed.core import registry
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3, unit_from_direction, vec3
+from testbed.core.seeds import stream
 from testbed.core.units import DEG
 from testbed.flight.air import CALM, AirModel, Wind, make_air, make_wind
 from testbed.flight.courses import route_pieces
 from testbed.flight.traffic.schedule import Schedule, anchored, planned_time
-from testbed.flight.traffic.track import Track
+from testbed.flight.traffic.straight import shifted
+from testbed.flight.traffic.track import Track, TrackSetting, Traffic
 from vosc import ph
 
 Array = np.ndarray
@@ -26,11 +29,16 @@ class Scene:
     route: Chain
     begin_s_m: float
     planned_time_s: float  # from the start to the goal
-    tracks: tuple[Track, ...]
+    traffic: Traffic
     goal: Vec3
     goal_tangent: Vec3
     air: AirModel
     longest_s: float  # a flight that takes longer has timed out
+
+    @property
+    def tracks(self) -> tuple[Track, ...]:
+        """Of the obstacles, in the plan's order."""
+        return self.traffic.tracks
 
 
 def make_scene(plan: FlightPlan) -> Scene:
@@ -45,9 +53,9 @@ def make_scene(plan: FlightPlan) -> Scene:
     wind = make_wind(plan.air, plan.terrain_z_m)
     planned = planned_time(route, begin_s, route.length_m, plan, wind)
     longest = TIME_OUT * planned
-    tracks = _tracks(plan, route, begin_s, turn, place, wind)
+    traffic = Traffic(_tracks(plan, route, begin_s, turn, place, wind))
     frame = lambda s_m: route.frame(s_m)[:2]  # noqa: E731
-    return Scene(route, begin_s, planned, tracks, goal, goal_tangent, make_air(plan, frame, begin_s, longest), longest)
+    return Scene(route, begin_s, planned, traffic, goal, goal_tangent, make_air(plan, frame, begin_s, longest), longest)
 
 
 def _tracks(plan: FlightPlan, route: Chain, begin_s: float, turn: Array, place: Callable[[Point], Array], wind: Wind) -> tuple[Track, ...]:
@@ -64,9 +72,12 @@ def _tracks(plan: FlightPlan, route: Chain, begin_s: float, turn: Array, place: 
         else:
             reached = float(route.nearest(place(spec.when.own_reaches_enu_m)[None])[0][0])
             when = planned_time(route, begin_s, reached, plan, timing_wind)
+        make = registry.part("traffic", spec.kind, plan.plugins)
+        random = stream(plan.seed, plan.replicate, f"traffic.{spec.name}")
+        setting = TrackSetting(spec.name, spec.radius_m, vec3(position), vec3(velocity), when, random)
+        track: Track = make(setting, **spec.options)
         if plan.traffic.in_wind == "drifts":
-            velocity = velocity + wind(when, vec3(position))
-        track = Track(spec.name, spec.radius_m, vec3(position - when * velocity), vec3(velocity))
+            track = shifted(track, when, position, velocity + wind(when, vec3(position)))
         tracks.append(anchored(track, in_calm, in_wind) if in_calm and in_wind else track)
     return tuple(tracks)
 

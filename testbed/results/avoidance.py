@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbed.core.units import DEG
-from testbed.flight.record import FlightRecord, ReplanEvent, inside
+from testbed.flight.record import AVOIDING, FlightRecord, ReplanEvent, inside
 from testbed.flight.traffic.track import least_clearance
 
 Array = np.ndarray
@@ -22,7 +22,7 @@ LOOK_EVERY_S = 0.1  # the way back is timed this finely
 
 @dataclass(frozen=True)
 class Avoidance:
-    """Metrics of the first avoidance of a flight, named as in ``FlightMetrics``; NaN where there is none."""
+    """Metrics of the first avoidance of a flight, named as the columns; NaN where there is none."""
 
     deflection_ground_deg: float = NAN
     flown_deflection_deg: float = NAN
@@ -38,7 +38,7 @@ class Avoidance:
 
 def avoidance(record: FlightRecord, end: int) -> Avoidance:
     """Of a flight whose row ``end`` is its last on this side of the goal's plane."""
-    event = next((event for event in record.events if event.decision == "replanned"), None)
+    event = next((event for event in record.events if event.decision in AVOIDING), None)
     hz = record.plan.rates.plant_hz
     if event is None or (first := round(event.time_s * hz)) >= end:
         return Avoidance()

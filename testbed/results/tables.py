@@ -1,64 +1,87 @@
 """Rows to ``results.csv`` and ``results.parquet``: one explicit schema, the same bytes for the same rows.
 
-A quantity that does not exist for a flight (NaN in ``FlightMetrics``) is an empty field in the CSV and a null in the Parquet.
+A quantity that does not exist for a flight is an empty field in the CSV and a null in the Parquet, whose fields carry unit and
+definition of their column as metadata.
+
+**Axes keep their type.** Labels are text; an axis whose labels are numbers all through the campaign is a column of numbers (whole ones
+where all are), one whose labels are all ``true`` or ``false`` is a column of truth values, every other is text. That goes for the
+values of ``dotted.path: [5, 10]`` and for the names of ``wind_mps: {"5": ..., "10": ...}`` alike, and is what pandas makes of the CSV,
+so that the two files can be joined on any axis. The label ``null``, which YAML has for no value, is an empty field.
 """
 
 import csv
 import io
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from testbed.flight.record import FlightMetrics
+from testbed.results.columns import AXIS, COLUMNS, Column, Kind, axis_column
 
 Row = Mapping[str, Any]
 
-IDENTITY = {
-    "flight_id": pa.string(),
-    "cell": pa.string(),
-    "replicate": pa.int64(),
-    "seed": pa.int64(),
-    "plant": pa.string(),
-    "aircraft": pa.string(),
-    "method": pa.string(),
-}
-
-HEADLINE = (
-    "outcome least_clearance_m time_at_least_clearance_s replans deflection_deg path_length_m flight_time_s cross_track_rms_m "
-    "cross_track_max_m schedule_error_s max_bank_deg max_load_factor max_roll_rate_dps min_airspeed_mps max_airspeed_mps"
-).split()
-"""The metrics that come first, in this order, because scripts rely on it; the other ones follow as FlightMetrics lists them."""
-
-_ARROW = {str: pa.string(), int: pa.int64(), float: pa.float64()}
+_ARROW = {Kind.TEXT: pa.string(), Kind.WHOLE: pa.int64(), Kind.NUMBER: pa.float64(), Kind.FLAG: pa.bool_()}
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?inf")
+_WHOLE = re.compile(r"[+-]?\d{1,18}")  # fits 64 bits
+_FLAGS = {"true": True, "false": False}
+_READ: dict[Kind, Callable[[str], Any]] = {Kind.TEXT: str, Kind.WHOLE: int, Kind.NUMBER: float, Kind.FLAG: _FLAGS.get}
+NO_VALUE = "null"
 
 
-def schema(axes: Iterable[str] = ()) -> pa.Schema:
+def axis_kinds(labels: Iterable[Mapping[str, str]]) -> dict[str, Kind]:
+    """What the column of each axis holds, by the labels of all flights of a campaign; axes in order of appearance."""
+    texts: dict[str, set[str]] = {}
+    for each in labels:
+        for axis, label in each.items():
+            texts.setdefault(axis, set()).add(label)
+    return {axis: _kind(among - {NO_VALUE}) for axis, among in texts.items()}
+
+
+def _kind(labels: set[str]) -> Kind:
+    if labels and labels <= _FLAGS.keys():
+        return Kind.FLAG
+    if labels and all(map(_NUMBER.fullmatch, labels)):
+        return Kind.WHOLE if all(map(_WHOLE.fullmatch, labels)) else Kind.NUMBER
+    return Kind.TEXT
+
+
+def layout(axes: Mapping[str, Kind]) -> tuple[Column, ...]:
     """The columns: who the flight is, its metrics, then ``label.<axis>`` for each axis of the sweep."""
-    metrics = {field.name: _ARROW[field.type] for field in fields(FlightMetrics)}  # type: ignore[index]
-    order = [*HEADLINE, *(name for name in metrics if name not in HEADLINE)]
-    columns = IDENTITY | {name: metrics[name] for name in order} | {f"label.{axis}": pa.string() for axis in axes}
-    return pa.schema(list(columns.items()))
+    return (*COLUMNS, *(axis_column(axis, kind) for axis, kind in axes.items()))
 
 
-def axes_of(rows: Iterable[Row]) -> list[str]:
-    """The axes that label any of the rows, in order of appearance."""
-    return list(dict.fromkeys(axis for row in rows for axis in row["labels"]))
+def schema(axes: Mapping[str, Kind]) -> pa.Schema:
+    """The same for Arrow, with what each column means."""
+    return pa.schema(
+        [
+            pa.field(column.name, _ARROW[column.kind], metadata={"unit": column.unit, "definition": column.definition})
+            for column in layout(axes)
+        ]
+    )
 
 
-def table(rows: Sequence[Row]) -> pa.Table:
-    """The rows, in the given order, under the explicit schema."""
-    layout = schema(axes_of(rows))
-    columns = [pa.array([_cell(row, field.name) for row in rows], type=field.type) for field in layout]
-    return pa.Table.from_arrays(columns, schema=layout)
+def table(rows: Sequence[Row], axes: Mapping[str, Kind] | None = None) -> pa.Table:
+    """The rows, in the given order, under the explicit schema. ``axes`` as ``axis_kinds`` finds them, by default in the rows alone."""
+    axes = axis_kinds(row["labels"] for row in rows) if axes is None else axes
+    fields = schema(axes)
+    columns = [pa.array([_cell(row, column) for row in rows], type=field.type) for column, field in zip(layout(axes), fields, strict=True)]
+    return pa.Table.from_arrays(columns, schema=fields)
 
 
-def _cell(row: Row, name: str) -> Any:
-    value = row["labels"].get(name.removeprefix("label.")) if name.startswith("label.") else row[name]
+def _cell(row: Row, column: Column) -> Any:
+    if column.name.startswith(AXIS):
+        return _axis_value(row["labels"].get(column.heading, NO_VALUE), column.kind)
+    value = row[column.name]
     return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def _axis_value(label: str, kind: Kind) -> Any:
+    if label == NO_VALUE:
+        return None
+    return _READ[kind](label)
 
 
 def csv_bytes(results: pa.Table) -> bytes:
@@ -66,14 +89,25 @@ def csv_bytes(results: pa.Table) -> bytes:
     out = io.StringIO(newline="")
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(results.column_names)
-    writer.writerows(zip(*(map(_text, column.to_pylist()) for column in results.columns), strict=True))
+    texts = [
+        [_label(value) if name.startswith(AXIS) else _text(value) for value in column.to_pylist()]
+        for name, column in zip(results.column_names, results.columns, strict=True)
+    ]
+    writer.writerows(zip(*texts, strict=True))
     return out.getvalue().encode()
 
 
 def _text(value: str | float | None) -> str:
     if value is None:
         return ""
+    if isinstance(value, bool):
+        return str(value).lower()
     return value if isinstance(value, str) else repr(value)
+
+
+def _label(value: str | float | None) -> str:
+    """As the campaign labels it: a whole number among others has no decimals."""
+    return _text(value).removesuffix(".0") if isinstance(value, float) else _text(value)
 
 
 def parquet_bytes(results: pa.Table) -> bytes:

@@ -1,6 +1,6 @@
 """The run directory: whose it is, who may write to it, and how files get into it whole."""
 
-import fcntl
+import errno
 import json
 import os
 from collections.abc import Iterator
@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from filelock import FileLock, Timeout
 
 LOCK = ".lock"
 OURS = ("campaign.yaml", "plan.json", "rows.jsonl", "timings.csv", "results.csv", "results.parquet", "checks.csv", "index.html")
@@ -64,15 +66,20 @@ class RunDirectory:
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Be the only writer. The lock goes with the process, however it ends."""
-        with (self / LOCK).open("w") as file:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise BadInputError(
-                    f"{self.path}: another run is writing here; wait for it, or choose another directory with --out"
-                ) from None
+        """Be the only writer. The lock is the operating system's, not a mere file: it goes with the process, however that ends."""
+        lock = FileLock(self / LOCK, blocking=False, fallback_to_soft=False)
+        try:
+            lock.acquire()
+        except Timeout:
+            raise BadInputError(f"{self.path}: another run is writing here; wait for it, or choose another directory with --out") from None
+        except OSError as problem:
+            if problem.errno != errno.ENOSYS:
+                raise
+            raise BadInputError(f"{self.path}: this disk cannot lock files, so two runs could mix; choose another with --out") from None
+        try:
             yield
+        finally:
+            lock.release()
 
     def clear(self) -> None:
         """Remove a former run, and nothing else."""
@@ -101,11 +108,18 @@ class RunDirectory:
             os.replace(draft, target)
         finally:
             draft.unlink(missing_ok=True)
-        folder = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
+        _sync_names(self.path)
+
+
+def _sync_names(folder: Path) -> None:
+    """Make the names in a folder survive a power cut, where there is a way to ask for it (Windows has none)."""
+    if not hasattr(os, "O_DIRECTORY"):
+        return
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def is_plain(name: Any) -> bool:

@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import pickle
 import signal
+import sys
 import threading
 import traceback
 from collections import deque
@@ -173,6 +174,13 @@ class _Crew:
         hand.process.join()
 
 
+def usable_cores() -> int:
+    """Cores that this process may use, which can be fewer than the machine has, where the system tells."""
+    if sys.version_info >= (3, 13):
+        return os.process_cpu_count() or 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def _hire(fn: Callable) -> _Hand:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
@@ -193,12 +201,10 @@ def environment_of_workers() -> Iterator[None]:
     """What a process started inside inherits: one thread for linear algebra, and no Ctrl-C (the driver's alone to handle)."""
     before = {name: os.environ.get(name) for name in _ONE_THREAD}
     os.environ.update(_ONE_THREAD)
-    resource_tracker.ensure_running()  # now, because starting it later would unblock Ctrl-C again
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        yield
+        with _ctrl_c_blocked():
+            yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for name, value in before.items():
             if value is None:
                 del os.environ[name]
@@ -206,8 +212,23 @@ def environment_of_workers() -> Iterator[None]:
                 os.environ[name] = value
 
 
+@contextlib.contextmanager
+def _ctrl_c_blocked() -> Iterator[None]:
+    """Processes that are started inside begin deaf to Ctrl-C, where a system can block signals; on Windows see ``_work``."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # now, because starting it later would unblock Ctrl-C again
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
 def _work(pipe: Connection, fn: Callable[[Any], Any]) -> None:
     """The life of a worker."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be blocked from the start
     threading.Thread(target=_end_with_the_driver, daemon=True).start()
     os.dup2(2, 1)  # stdout belongs to the driver, even from C++
     pipe.send(None)

@@ -12,7 +12,7 @@ from typing import Any
 
 import testbed
 import vosc
-from testbed.core.catalogue import AIRCRAFT_ROOT, aircraft_folders
+from testbed.core.catalogue import AIRCRAFT_ROOT, DATA, aircraft_folders
 
 DISTRIBUTION = "vosc-testbed"
 
@@ -37,13 +37,14 @@ def code_hash() -> str:
 def _sources(folder: Path) -> list[Path]:
     def counts(file: Path) -> bool:
         parts = file.relative_to(folder).parts
-        return file.is_file() and "__pycache__" not in parts and not any(part.startswith(".") for part in parts)
+        carried = DATA in file.parents and DATA not in folder.parents  # as part of the package, where it decides no result
+        return file.is_file() and not carried and "__pycache__" not in parts and not any(part.startswith(".") for part in parts)
 
     return sorted(filter(counts, folder.rglob("*")))
 
 
 def revision() -> dict[str, Any]:
-    """Commit and whether the tree differs from it; both None where the code is not in a repository of its own."""
+    """Commit and whether the tree differs from it; both None where the code is not in a repository of its own, but in a wheel."""
     root = AIRCRAFT_ROOT.parent
     if _git(root, "ls-files", "--error-unmatch", "testbed/__init__.py") is None:  # e.g. installed inside somebody else's repository
         return {"revision": None, "dirty": None}
@@ -75,7 +76,7 @@ def guests(names: Iterable[str]) -> dict[str, str]:
 
 def machine() -> dict[str, str]:
     """What kind of machine this is, not which one."""
-    return {"system": platform.system(), "machine": platform.machine(), "libc": "-".join(platform.libc_ver())}
+    return {"system": platform.system(), "machine": platform.machine(), "libc": "-".join(filter(None, platform.libc_ver()))}
 
 
 def canonical(data: Any) -> bytes:

@@ -3,13 +3,14 @@
 import time
 import traceback
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from testbed.campaign.words.check import Check
 from testbed.campaign.words.settings import FlightPlan
-from testbed.flight.record import FlightMetrics, FlightRecord, Outcome
+from testbed.flight.record import FlightRecord, Outcome
+from testbed.results.columns import FlightMetrics, nothing_measured
 from testbed.run.world import NOTHING_MORE, World
 
 Row = dict[str, Any]
@@ -47,8 +48,7 @@ def run_job(job: Job) -> JobResult:
 
 def crashed(job: Job, message: str, details: str) -> JobResult:
     """The row of a flight that the program failed to fly."""
-    metrics = {field.name: float("nan") if field.type is float else field.type() for field in fields(FlightMetrics)}  # type: ignore[operator]
-    metrics["outcome"] = Outcome.CRASHED.value
+    metrics = nothing_measured() | {"outcome": Outcome.CRASHED.value}
     return JobResult(_identity(job.plan) | metrics | _story([], message, details, None), None, {})
 
 

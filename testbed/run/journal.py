@@ -9,16 +9,18 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields
+from io import FileIO
 from pathlib import Path
 from typing import Any, get_args
 
 from testbed.core.frames import Vec3
-from testbed.flight.record import FlightMetrics, ReplanEvent
+from testbed.flight.record import ReplanEvent
+from testbed.results.columns import FlightMetrics
 from testbed.results.plain import plain
 from testbed.run.job import JobResult, Row
 
 SYNC_EVERY = 16
-"""Rows between two calls of fdatasync: what a power cut may cost."""
+"""Rows between two calls of fsync: what a power cut may cost."""
 
 
 class JournalError(Exception):
@@ -28,37 +30,33 @@ class JournalError(Exception):
 class Journal:
     """An open journal, to append to."""
 
-    def __init__(self, descriptor: int):
-        self._descriptor = descriptor
+    def __init__(self, file: FileIO):
+        self._file = file
         self._unsynced = 0
 
     def append(self, result: JobResult) -> None:
         data = encode(result)
         while data:
-            data = data[os.write(self._descriptor, data) :]
+            data = data[self._file.write(data) :]
         self._unsynced += 1
         if self._unsynced >= SYNC_EVERY:
             self.sync()
 
     def sync(self) -> None:
-        os.fdatasync(self._descriptor)
+        os.fsync(self._file.fileno())
         self._unsynced = 0
 
 
 @contextmanager
 def appending(path: Path) -> Iterator[Journal]:
     """Open the journal for more rows, after cutting off a last line that was not finished."""
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
-    try:
-        whole = sum(len(line) for line, _ in _lines(path))
-        os.ftruncate(descriptor, whole)
-        journal = Journal(descriptor)
+    with path.open("ab", buffering=0) as file:
+        file.truncate(sum(len(line) for line, _ in _lines(path)))
+        journal = Journal(file)
         try:
             yield journal
         finally:
             journal.sync()
-    finally:
-        os.close(descriptor)
 
 
 def read(path: Path) -> list[JobResult]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from testbed.flight.record import FlightMetrics
+from testbed.results.columns import METRICS
 from testbed.run import identity, journal, manifest
 from testbed.run.directory import BadInputError
 from testbed.run.engines import Died, LocalEngine
@@ -50,7 +50,7 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
 def _changes(stored: Row | None, row: Row) -> list[str]:
     if stored is None:
         return ["the run has no row of this flight yet"]
-    names = [*FlightMetrics.__dataclass_fields__, "events", "message", "traceback"]
+    names = [*(column.name for column in METRICS), "events", "message", "traceback"]
     return [line for name in names for line in identity.differences({name: _comparable(stored[name])}, {name: _comparable(row[name])})]
 
 

@@ -8,23 +8,21 @@ from statistics import median
 from typing import Any
 
 from testbed.results.checks import CheckResult
-from testbed.show.columns import BY_KEY, SUMMARISED, collided, value
-from testbed.show.story import number
+from testbed.results.columns import BY_NAME
+from testbed.results.rows import collided, keeps, met_obstacle, value
+from testbed.results.statistics import share_interval
+from testbed.show import words
+from testbed.show.columns import SUMMARISED, text
+from testbed.show.words import number
 
 Row = dict[str, Any]
 
-OUTCOME_ORDER = ("reached", "collided", "timed_out", "no_path", "hit_ground", "diverged", "trim_failed", "crashed")
-OUTCOME_SHORT = {
-    "reached": "reached the goal",
-    "trim_failed": "could not be trimmed",
-    "no_path": "found no path",
-    "crashed": "failed to run",
-}
+KINEMATIC = "kinematic"  # the plant that is a point on its path
 
 
 def flyer(row: Row) -> str:
-    """Who flew: the point, or the aircraft and the physics it flew in."""
-    return str(row["plant"]) if row["plant"] == "kinematic" else f"{row['aircraft']} ({row['plant']})"
+    """Who flew."""
+    return words.flyer(str(row["plant"]), str(row["aircraft"]))
 
 
 def listed_axes(rows: Sequence[Row]) -> list[str]:
@@ -53,28 +51,13 @@ def telling_axes(rows: Sequence[Row]) -> list[str]:
 
 def circumstances(row: Row, axes: Iterable[str]) -> str:
     """The labels of a flight in words, and whether its encounter is turned level."""
-    said = [str(row["labels"][axis]) for axis in axes if axis in row["labels"]]
+    said = [words.circumstance(axis, str(row["labels"][axis])) for axis in axes if axis in row["labels"]]
     return ", ".join(said + (["turned level"] if row.get("geometry") == "level" else []))
-
-
-def counted(number_of: int, noun: str) -> str:
-    """``1 flight``, ``2 flights``."""
-    return f"{number_of} {noun}" + ("" if number_of == 1 else "s")
 
 
 def outcomes(rows: Sequence[Row]) -> str:
     """``7 reached the goal, 5 collided``."""
-    count = Counter(str(row["outcome"]) for row in rows)
-    known = [name for name in OUTCOME_ORDER if name in count] + sorted(set(count) - set(OUTCOME_ORDER))
-    return ", ".join(f"{count[name]} {OUTCOME_SHORT.get(name, name.replace('_', ' '))}" for name in known)
-
-
-def wilson(hits: int, n: int) -> tuple[float, float]:
-    """95 % interval of a share (Wilson 1927): sensible also for 0 and n hits."""
-    z = 1.959964
-    centre, spread = hits / n + z * z / (2 * n), z * math.sqrt(hits * (n - hits) / n + z * z / 4) / n
-    scale = 1 + z * z / n
-    return max(0.0, (centre - spread) / scale), min(1.0, (centre + spread) / scale)
+    return words.outcomes(Counter(str(row["outcome"]) for row in rows))
 
 
 @dataclass(frozen=True)
@@ -85,22 +68,26 @@ class Pair:
     flown: Row
 
     @property
+    def known(self) -> bool:
+        """Did both meet an obstacle?"""
+        return met_obstacle(self.kinematic) and met_obstacle(self.flown)
+
+    @property
     def verdict(self) -> str:
-        """What became of the clearance."""
-        point, craft = (value(row, "least_clearance_m") for row in (self.kinematic, self.flown))
-        if not (math.isfinite(point) and math.isfinite(craft)):
+        """What became of the clearance: was every radius kept, to the end of the flight?"""
+        if not self.known:
             return "not determined"
-        if point < 0.0:
-            return "fails kinematically" if craft < 0.0 else "fails kinematically, kept when flown"
-        return "kept when flown" if craft >= 0.0 else "fails when flown"
+        if not keeps(self.kinematic):
+            return "fails kinematically, kept when flown" if keeps(self.flown) else "fails kinematically"
+        return "kept when flown" if keeps(self.flown) else "fails when flown"
 
 
 def pairs(rows: Sequence[Row]) -> list[Pair]:
     """Each flown flight with the kinematic one that shares encounter, method and replicate, and most of its labels."""
     found = []
-    points = [row for row in rows if row["plant"] == "kinematic"]
+    points = [row for row in rows if row["plant"] == KINEMATIC]
     for flown in rows:
-        if flown["plant"] == "kinematic" or flown.get("encounter") is None:
+        if flown["plant"] == KINEMATIC or flown.get("encounter") is None:
             continue
         key = (flown.get("encounter"), flown["method"], flown["replicate"])
         same = [p for p in points if (p.get("encounter"), p["method"], p["replicate"]) == key]
@@ -111,13 +98,13 @@ def pairs(rows: Sequence[Row]) -> list[Pair]:
 
 def sentences(rows: Sequence[Row], matched: Sequence[Pair]) -> list[str]:
     """The answer in words, generated from the rows alone."""
-    said = [f"Of {counted(len(rows), 'flight')}, {outcomes(rows)}."]
+    said = [f"Of {words.counted(len(rows), 'flight')}, {outcomes(rows)}."]
     met = [row for row in rows if met_obstacle(row)]
     for name in dict.fromkeys(flyer(row) for row in met):
         mine = [row for row in met if flyer(row) == name]
         methods = list(dict.fromkeys(str(row["method"]) for row in mine))
         parts = [f"in {_collided([r for r in mine if r['method'] == method])} {_with(method)}" for method in methods]
-        said.append(f"{_title(name)} came closer than an obstacle's radius {' and '.join(parts)}.")
+        said.append(f"{'The ' if mine[0]['plant'] == KINEMATIC else ''}{name} came closer than an obstacle's radius {words.listed(parts)}.")
     return said + _comparison([pair for pair in matched if pair.flown["replans"]])
 
 
@@ -127,29 +114,19 @@ def verdict(checks: Sequence[CheckResult]) -> list[str]:
     if not checks:
         return []
     if not missed:
-        return [f"Check passed: {counted(len(checks), 'line')}, each within its tolerance."]
-    return [f"Check missed: {len(missed)} of {counted(len(checks), 'line')} out of tolerance."]
-
-
-def met_obstacle(row: Row) -> bool:
-    """Was there an obstacle to come close to?"""
-    return bool(math.isfinite(value(row, "least_clearance_m")))
+        return [f"Check passed: {words.counted(len(checks), 'line')}, each within its tolerance."]
+    return [f"Check missed: {len(missed)} of {words.counted(len(checks), 'line')} out of tolerance."]
 
 
 def _with(method: str) -> str:
-    return "without avoidance" if method == "none" else f"with {method}"
-
-
-def _title(name: str) -> str:
-    return "The kinematic point" if name == "kinematic" else f"The aircraft {name}"
+    return "without avoidance" if method == "none" else f"with {words.method(method)}"
 
 
 def _collided(rows: Sequence[Row]) -> str:
     hits = sum(collided(row) for row in rows)
-    text = f"{hits} of {counted(len(rows), 'flight')}"
+    text = f"{hits} of {words.counted(len(rows), 'flight')}"
     if len(rows) >= 10:
-        low, high = wilson(hits, len(rows))
-        text += f" (95 % interval {100 * low:.0f} to {100 * high:.0f} %)"
+        text += f" (95 % interval {words.interval(*share_interval(hits, len(rows)), 'share')})"
     return text
 
 
@@ -158,10 +135,10 @@ def _comparison(avoiding: Sequence[Pair]) -> list[str]:
     if not avoiding:
         return []
     points, flown = [pair.kinematic for pair in avoiding], [pair.flown for pair in avoiding]
-    kept, still = (sum(not collided(row) for row in side) for side in (points, flown))
+    kept, still = (sum(map(keeps, side)) for side in (points, flown))
     return [
-        f"Safe? Where an aircraft re-planned ({counted(len(avoiding), 'flight')}), the point kept its clearance in {kept} of the same "
-        f"encounters, the aircraft in {still}. The least clearance of the point was {_span(points, 'least_clearance_m')}, "
+        f"Safe? Where an aircraft re-planned ({words.counted(len(avoiding), 'flight')}), the point kept its clearance in {kept} of the "
+        f"same encounters, the aircraft in {still}. The least clearance of the point was {_span(points, 'least_clearance_m')}, "
         f"of the aircraft {_span(flown, 'least_clearance_m')}.",
         f"Flyable? In these flights the aircraft was at most {_span(flown, 'cross_track_max_m')} from its path "
         f"(rms {_span(flown, 'cross_track_rms_m')}); its largest bank was {_span(flown, 'max_bank_deg')}, "
@@ -171,23 +148,22 @@ def _comparison(avoiding: Sequence[Pair]) -> list[str]:
 
 def _span(rows: Sequence[Row], key: str) -> str:
     """The range of a metric over some rows, in words."""
-    column, known = BY_KEY[key], [x for x in (value(row, key) for row in rows) if math.isfinite(x)]
+    column, known = BY_NAME[key], [x for x in (value(row, key) for row in rows) if math.isfinite(x)]
     if not known:
         return "unknown"
-    low, high = (number(x, column.digits) for x in (min(known), max(known)))
-    return f"{low} {column.unit}".rstrip() if low == high else f"{low} to {high} {column.unit}".rstrip()
+    return words.span(min(known), max(known), column.unit, column.digits)
 
 
 def cards(rows: Sequence[Row]) -> list[dict[str, str]]:
     """Headline numbers; the worst ones are of flown flights where there are any."""
-    flown = [row for row in rows if row["plant"] != "kinematic"] or list(rows)
+    flown = [row for row in rows if row["plant"] != KINEMATIC] or list(rows)
     hits, met = sum(collided(row) for row in rows), sum(met_obstacle(row) for row in rows)
     made = [{"number": str(len(rows)), "name": "flights", "note": outcomes(rows), "tone": ""}]
     if met:
         note = "closer than the radius of an obstacle"
         made.append({"number": f"{hits} / {met}", "name": "collisions", "note": note, "tone": "bad" if hits else "good"})
     for key in ("least_clearance_m", "cross_track_max_m", "max_bank_deg", "max_load_factor"):
-        column = BY_KEY[key]
+        column = BY_NAME[key]
         known = [row for row in flown if math.isfinite(value(row, key))]
         if known:
             worst = (min if column.worse == "low" else max)(known, key=lambda row: value(row, key))
@@ -195,9 +171,9 @@ def cards(rows: Sequence[Row]) -> list[dict[str, str]]:
             name = column.heading if column.worse == "low" else f"largest {column.heading.removesuffix(' max')}"
             made.append(
                 {
-                    "number": f"{column.text(worst)} {column.unit}".strip(),
+                    "number": f"{text(column, worst)} {column.unit}".strip(),
                     "name": name,
-                    "note": f"{flyer(worst)}, {worst['method']}",
+                    "note": f"{flyer(worst)}, {words.method(worst['method'])}",
                     "tone": tone,
                 }
             )
@@ -213,15 +189,15 @@ def cells(rows: Sequence[Row], axes: Sequence[str]) -> list[dict[str, Any]]:
     for members in grouped.values():
         first = members[0]  # the one whose series is kept, which says how the encounter is turned
         summary = {}
-        for key in SUMMARISED:
-            known = [x for x in (value(row, key) for row in members) if math.isfinite(x)]
-            worst = (min if BY_KEY[key].worse == "low" else max)(known, default=math.nan)
-            summary[key] = (number(median(known) if known else math.nan, BY_KEY[key].digits), number(worst, BY_KEY[key].digits), worst)
+        for column in SUMMARISED:
+            known = [x for x in (value(row, column.name) for row in members) if math.isfinite(x)]
+            worst = (min if column.worse == "low" else max)(known, default=math.nan)
+            summary[column.name] = (number(median(known) if known else math.nan, column.digits), number(worst, column.digits), worst)
         lines.append(
             {
                 "place": circumstances(first, axes),
                 "flyer": flyer(first),
-                "method": str(first["method"]),
+                "method": words.method(str(first["method"])),
                 "n": len(members),
                 "rows": members,
                 "collided": _collided(members).removesuffix(" flights").removesuffix(" flight"),

@@ -1,67 +1,40 @@
-"""The columns of the page's tables: heading, unit, decimals and definition, said once for table and glossary."""
+"""Which declared columns the page shows, and the terms of its table of decisions."""
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from testbed.flight.record import inside
-from testbed.show.story import number
+from testbed.results.columns import BY_NAME, Column
+from testbed.results.rows import value
+from testbed.show.words import number
 
+SHOWN = tuple(
+    BY_NAME[name]
+    for name in (
+        "least_clearance_m time_at_least_clearance_s deflection_deg path_length_m flight_time_s cross_track_rms_m cross_track_max_m "
+        "schedule_error_s max_bank_deg max_load_factor max_roll_rate_dps min_airspeed_mps max_alpha_deg saturated_share "
+        "airspeed_rms_error_mps wind_along_std_mps clear_time_s rejoin_time_s rejoin_length_m replans"
+    ).split()
+)
+"""The table of flights."""
 
-@dataclass(frozen=True)
-class Column:
-    """A metric as the page shows it. ``worse`` is the end of its range that a reader looks for: ``low``, ``high`` or neither."""
-
-    key: str
-    heading: str
-    unit: str
-    digits: int
-    worse: str
-    definition: str
-
-    def text(self, row: Mapping[str, Any]) -> str:
-        return number(value(row, self.key), self.digits)
-
-
-def value(row: Mapping[str, Any], key: str) -> float:
-    """A number of a row; NaN if it is missing, whichever way that is written."""
-    found = row.get(key)
-    return math.nan if found is None else float(found)
-
-
-def collided(row: Mapping[str, Any]) -> bool:
-    """Did the flight of a row come inside of an obstacle?"""
-    return bool(inside(value(row, "least_clearance_m")))
-
-
-METRICS = (
-    Column("least_clearance_m", "least clearance", "m", 2, "low", "Least distance to an obstacle's surface; negative: a collision."),
-    Column("time_at_least_clearance_s", "at", "s", 2, "", "Flight time of the least clearance."),
-    Column("deflection_deg", "deflection", "deg", 1, "", "Space angle from the velocity to the command of the first re-plan."),
-    Column("path_length_m", "length", "m", 1, "", "Length of the path flown over the ground."),
-    Column("flight_time_s", "time", "s", 2, "", "Duration of the flight."),
-    Column("cross_track_rms_m", "cross-track rms", "m", 2, "high", "Root mean square of the distance to the path active at each instant."),
-    Column("cross_track_max_m", "cross-track max", "m", 2, "high", "Largest distance to the path that was active at that instant."),
-    Column("schedule_error_s", "schedule error", "s", 2, "", "How late (positive) or early it was along its path at the closest approach."),
-    Column("max_bank_deg", "bank", "deg", 1, "high", "Largest bank angle, either side; of the point: what its path would need."),
-    Column("max_load_factor", "load factor", "", 2, "high", "Largest normal load factor (1 in level flight), a crash included."),
-    Column("max_roll_rate_dps", "roll rate", "deg/s", 0, "high", "Largest roll rate, either side."),
-    Column("min_airspeed_mps", "least airspeed", "m/s", 1, "low", "Least airspeed."),
-    Column("max_alpha_deg", "alpha", "deg", 1, "high", "Largest angle of attack."),
-    Column("saturated_share", "saturated", "", 2, "high", "Share of the flight in which guidance asked for more than the limits allow."),
-    Column("airspeed_rms_error_mps", "airspeed error", "m/s", 2, "high", "Root mean square difference of the airspeed from the set speed."),
-    Column("wind_along_std_mps", "gusts along", "m/s", 2, "", "Standard deviation of the air's velocity along the flight."),
-    Column("clear_time_s", "clear after", "s", 2, "", "From the re-plan until obstacles open and every radius is kept to the end."),
-    Column("rejoin_time_s", "rejoined after", "s", 1, "", "From the re-plan until back within 5 m of the route for good."),
-    Column("rejoin_length_m", "length to rejoin", "m", 0, "", "Path flown over the ground until then."),
-    Column("replans", "re-plans", "", 0, "", "Number of times the path was changed."),
-)  # fmt: skip
-
-SUMMARISED = ("least_clearance_m", "cross_track_rms_m", "cross_track_max_m", "max_bank_deg", "max_load_factor", "min_airspeed_mps")
+SUMMARISED = tuple(
+    BY_NAME[name] for name in "least_clearance_m cross_track_rms_m cross_track_max_m max_bank_deg max_load_factor min_airspeed_mps".split()
+)
 """What the table of cells shows as median and worst."""
 
-BY_KEY = {column.key: column for column in METRICS}
+PAIRED = tuple(
+    BY_NAME[name]
+    for name in (
+        "cross_track_rms_m cross_track_max_m schedule_error_s max_bank_deg max_load_factor max_roll_rate_dps min_airspeed_mps"
+    ).split()
+)
+"""What the table of pairs says of the aircraft."""
+
+
+def text(column: Column, row: Mapping[str, Any]) -> str:
+    """A number of a row with the decimals of its column."""
+    return number(value(row, column.name), column.digits)
+
 
 DECISION_TERMS = (
     (

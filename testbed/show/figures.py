@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from testbed.show import palette
-from testbed.show.answer import Row, circumstances, flyer
-from testbed.show.columns import collided, value
+from testbed.results.rows import collided, value
+from testbed.show import palette, words
+from testbed.show.answer import KINEMATIC, Row, circumstances, flyer
 
 MOST_PER_GROUP = 30
 MOST_IN_ALL = 150  # keeps the page under 3 MB
@@ -42,8 +42,8 @@ def figure_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]
                 part
                 for part in (
                     flyer(row),
-                    f"{row['method']}",
-                    ", ".join(str(row["labels"][axis]) for axis in own_axes if axis in row["labels"]),
+                    words.method(str(row["method"])),
+                    ", ".join(words.circumstance(axis, str(row["labels"][axis])) for axis in own_axes if axis in row["labels"]),
                 )
                 if part
             )
@@ -93,7 +93,7 @@ def selection(rows: Sequence[Row], most: int) -> list[Row]:
 
 def styles(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """Colour for who flies, dash for the method; where that does not tell the cells apart, one shade for each cell."""
-    flyers = sorted({flyer(row) for row in rows}, key=lambda name: (name != "kinematic", name))
+    others = sorted({flyer(row) for row in rows if row["plant"] != KINEMATIC})
     methods = sorted({str(row["method"]) for row in rows}, key=lambda name: (name == "none", name))
     cells = list(dict.fromkeys(str(row["cell"]) for row in rows))
     crowded = len({(flyer(row), row["method"]) for row in rows}) < len(cells)
@@ -104,10 +104,9 @@ def styles(rows: Sequence[Row]) -> list[dict[str, Any]]:
         if crowded:
             share = cells.index(str(row["cell"])) / max(1, len(cells) - 1)
             light, dark = (shades[round(share * (len(shades) - 1))] for shades in SHADES)
-        elif flyer(row) == "kinematic":
+        elif row["plant"] == KINEMATIC:
             light = dark = "ink"
         else:
-            others = [name for name in flyers if name != "kinematic"]
             light, dark = CATEGORIES[others.index(flyer(row)) % len(CATEGORIES)]
         made.append({"light": light, "dark": dark, "dash": dash})
     return made

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup, escape
 
-from testbed.show.columns import BY_KEY, value
-from testbed.show.story import number
+from testbed.results.columns import BY_NAME
+from testbed.results.rows import value
+from testbed.show.words import number
 
 FEWEST = 20  # flights in a cell below which a histogram says less than the numbers
 BINS, WIDTH, HEIGHT = 24, 320, 96
@@ -30,23 +31,23 @@ def histograms(cells: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
             for cell, values in zip(crowded, known, strict=True)
             if len(values)
         ]
-        made.append({"column": BY_KEY[key], "pictures": pictures})
+        made.append({"column": BY_NAME[key], "pictures": pictures})
     return made
 
 
 def _svg(values: np.ndarray, edges: np.ndarray, key: str) -> Markup:
     counts, _ = np.histogram(values, edges)
     beyond = int(np.sum(values > edges[-1]) + np.sum(values < edges[0]))
-    digits, step = BY_KEY[key].digits, WIDTH / BINS
+    digits, step = BY_NAME[key].digits, WIDTH / BINS
     tallest = max(int(counts.max()), 1)
-    parts = [f'<svg viewBox="0 0 {WIDTH} {HEIGHT + 18}" role="img" aria-label="{escape(BY_KEY[key].heading)}: {len(values)} flights">']
+    parts = [f'<svg viewBox="0 0 {WIDTH} {HEIGHT + 18}" role="img" aria-label="{escape(BY_NAME[key].heading)}: {len(values)} flights">']
     for k, count in enumerate(counts.tolist()):
         if count:
             tall = max(1.0, HEIGHT * count / tallest)
             parts.append(f'<rect class="bar" x="{k * step + 0.5:.1f}" y="{HEIGHT - tall:.1f}" width="{step - 1:.1f}" height="{tall:.1f}"/>')
     for name, level in (
         ("median", float(np.median(values))),
-        ("95 %", float(np.percentile(values, 5 if BY_KEY[key].worse == "low" else 95))),
+        ("95 %", float(np.percentile(values, 5 if BY_NAME[key].worse == "low" else 95))),
     ):
         x = WIDTH * (level - edges[0]) / (edges[-1] - edges[0])
         if 0.0 <= x <= WIDTH:

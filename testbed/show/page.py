@@ -9,14 +9,18 @@ from markupsafe import Markup
 from testbed.campaign.words.settings import Campaign
 from testbed.core.frames import direction_deg
 from testbed.core.units import DEG
+from testbed.flight.record import NEW_PATH, Outcome
 from testbed.results.checks import CheckResult
-from testbed.show import answer
+from testbed.results.columns import METRICS
+from testbed.results.rows import collided, keeps, value
+from testbed.show import answer, words
 from testbed.show.answer import Row
 from testbed.show.assets import Lead, asset, environment, packed_json, plotly
-from testbed.show.columns import BY_KEY, DECISION_TERMS, METRICS, SUMMARISED, collided, value
+from testbed.show.columns import DECISION_TERMS, PAIRED, SHOWN, SUMMARISED, text
 from testbed.show.figures import figure_data
 from testbed.show.histogram import histograms
-from testbed.show.story import level_turn, number, radius_m
+from testbed.show.story import level_turn, radius_m
+from testbed.show.words import number
 
 MOST_FLIGHT_ROWS, MOST_DECISION_ROWS, MOST_CELL_ROWS = 300, 100, 300
 CELLS_FROM = 25  # so many flights are better read by cell
@@ -56,14 +60,16 @@ def render_page(
             cells=by_cell[:MOST_CELL_ROWS],
             cells_left_out=max(0, len(by_cell) - MOST_CELL_ROWS),
             histograms=histograms(by_cell[:MOST_CELL_ROWS]),
-            summarised=[BY_KEY[key] for key in SUMMARISED],
-            metrics=METRICS,
+            summarised=SUMMARISED,
+            paired=PAIRED,
+            metrics=SHOWN,
+            glossary=METRICS,
             flights=[_flight(row, listed_axes) for row in listed[:MOST_FLIGHT_ROWS]],
             flights_left_out=max(0, len(rows) - MOST_FLIGHT_ROWS),
             decisions=decisions[:MOST_DECISION_ROWS],
             decisions_left_out=max(0, len(decisions) - MOST_DECISION_ROWS),
             terms=DECISION_TERMS,
-            failures=[row for row in rows if row["outcome"] == "crashed"],
+            failures=[row for row in rows if row["outcome"] == Outcome.CRASHED],
             provenance=_flattened(provenance),
             has_pictures=has_pictures,
             css=asset("page.css") + (lead.css if lead else Markup()),
@@ -86,12 +92,12 @@ def _flight(row: Row, axes: Sequence[str]) -> dict[str, Any]:
     return {
         "id": row["flight_id"],
         "outcome": row["outcome"],
-        "outcome_text": str(row["outcome"]).replace("_", " "),
+        "outcome_text": words.outcome(str(row["outcome"])),
         "labels": [str(row["labels"].get(axis, "")) for axis in axes],
         "replicate": row["replicate"],
         "flyer": answer.flyer(row),
-        "method": row["method"],
-        "cells": [{"text": column.text(row), "sort": _sortable(value(row, column.key))} for column in METRICS],
+        "method": words.method(str(row["method"])),
+        "cells": [{"text": text(column, row), "sort": _sortable(value(row, column.name))} for column in SHOWN],
         "collided": collided(row),
         "message": row["message"],
         "recording": row["recording"],
@@ -117,23 +123,14 @@ def _pair(pair: answer.Pair, axes: Sequence[str]) -> dict[str, Any]:
         "place": answer.circumstances(pair.flown, [a for a in axes if pair.flown["labels"].get(a) == pair.kinematic["labels"].get(a)])
         or "the encounter",
         "flyer": answer.flyer(pair.flown),
-        "method": pair.flown["method"],
+        "method": words.method(str(pair.flown["method"])),
         "verdict": pair.verdict,
-        "good": flown >= 0.0,
+        "good": keeps(pair.flown),
+        "known": pair.known,
+        "bad": [collided(pair.kinematic), collided(pair.flown), False],
         "clearances": [number(point, 2), number(flown, 2), number(flown - point, 2)],
         "sort": [_sortable(point), _sortable(flown), _sortable(flown - point)],
-        "rest": [
-            {"text": BY_KEY[key].text(pair.flown), "sort": _sortable(value(pair.flown, key))}
-            for key in (
-                "cross_track_rms_m",
-                "cross_track_max_m",
-                "schedule_error_s",
-                "max_bank_deg",
-                "max_load_factor",
-                "max_roll_rate_dps",
-                "min_airspeed_mps",
-            )
-        ],
+        "rest": [{"text": text(column, pair.flown), "sort": _sortable(value(pair.flown, column.name))} for column in PAIRED],
     }
 
 
@@ -162,10 +159,10 @@ def _decision(row: Row, event: Row, axes: Sequence[str]) -> dict[str, Any]:
     return {
         "place": answer.circumstances(row, axes) or "the encounter",
         "flyer": answer.flyer(row),
-        "method": event["method"],
+        "method": words.method(str(event["method"])),
         "obstacle": event["obstacle"],
-        "decision": str(event["decision"]).replace("_", " "),
-        "done": event["decision"] in ("replanned", "rejoined"),
+        "decision": words.read_aloud(str(event["decision"])),
+        "done": event["decision"] in NEW_PATH,
         "cells": [
             number(value(event, "time_s"), 2),
             motion("own_vel_enu_mps"),

@@ -9,7 +9,7 @@ import numpy as np
 
 from testbed.core.units import DEG
 from testbed.flight.record import FlightRecord, PlannedPath
-from testbed.results.metrics import demanded_roll_rate
+from testbed.results.quantities import demanded_roll_rate
 from testbed.show.story import path_points, who
 
 Array = np.ndarray

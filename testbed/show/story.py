@@ -6,22 +6,12 @@ import numpy as np
 
 from testbed.core.frames import direction_deg
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.record import FlightMetrics, FlightRecord, PlannedPath, ReplanEvent
+from testbed.flight.record import Decision, FlightRecord, PlannedPath, ReplanEvent
+from testbed.results.columns import FlightMetrics
+from testbed.show import words
+from testbed.show.words import number
 
 Array = np.ndarray
-
-OUTCOME_TEXT = {
-    "reached": "reached the goal",
-    "collided": "collided: came closer than the obstacle's radius",
-    "hit_ground": "hit the ground",
-    "diverged": "diverged: left the envelope of the model",
-    "trim_failed": "could not be trimmed",
-    "no_path": "no path could be planned",
-    "timed_out": "timed out",
-    "stopped": "was stopped before the goal",
-    "crashed": "the program failed",
-}
-
 
 LEGEND = """### Reading the pictures
 Scene: grey the original path, yellow the avoidance, green the way back, blue the trail flown; the aeroplane is drawn larger
@@ -32,19 +22,10 @@ the orange patch its spherical cap while it is a threat; blue the own velocity, 
 """
 
 
-def number(value: float, digits: int = 1, unit: str = "") -> str:
-    """A number for people: a dash for what does not exist, no minus sign on zero."""
-    if not math.isfinite(value):
-        return "\N{EN DASH}"
-    text = f"{value:.{digits}f}"
-    text = text.removeprefix("-") if float(text) == 0.0 else text.replace("-", "\N{MINUS SIGN}")
-    return f"{text} {unit}".rstrip()
-
-
 def who(record: FlightRecord) -> str:
     """The point, or the aircraft and the physics it flew in."""
     plan = record.plan
-    return plan.plant.kind if plan.plant.kind == "kinematic" else f"{plan.aircraft} ({plan.plant.kind})"
+    return words.flyer(plan.plant.kind, plan.aircraft)
 
 
 def path_points(path: PlannedPath, per_curve: int = 60) -> list[Array]:
@@ -80,7 +61,7 @@ def piece_names(record: FlightRecord, count: int) -> list[str]:
     path, replan = record.paths[count], record.plan.replan
     if count == 0:
         return ["route"] * len(path.curves)
-    if any(event.decision == "rejoined" and event.time_s == path.from_time_s for event in record.events):
+    if any(event.decision == Decision.REJOINED and event.time_s == path.from_time_s for event in record.events):
         return ["rejoin"] * len(path.curves)
     holds = replan.answer == "direct" or replan.rejoin.when == "clear"
     return ["avoid"] + ["avoid" if holds else "rejoin"] * (len(path.curves) - 1)
@@ -104,16 +85,18 @@ def radius_m(curvature_1pm: float) -> float:
 
 def event_sentence(event: ReplanEvent) -> str:
     """One line of the event log."""
-    if event.decision == "rejoined":
+    if event.decision == Decision.REJOINED:
         back = f"way back of {number(event.planned_length_m, 0)} m planned, {number(event.route_miss_m, 0)} m from the centre at least"
         return f"{event.obstacle}: clear, {back}"
-    if event.decision != "replanned":
-        return f"{event.obstacle}: {event.method} kept the path, {event.decision.replace('_', ' ')} (status {event.status})"
+    if event.decision != Decision.REPLANNED:
+        why = f"{words.read_aloud(event.decision)} (status {words.read_aloud(event.status)})"
+        return f"{event.obstacle}: {words.method(event.method)} kept the path, {why}"
     azimuth, elevation = direction_deg(event.command_enu_mps)
     bend = event.max_curvature_to_insertion_1pm
     path = f"least radius {number(radius_m(bend), 0)} m" if math.isfinite(bend) else "flown at once"
     return (
-        f"{event.obstacle}: {event.method} re-planned, alpha {event.alpha_rad / DEG:.1f} < alpha_0 {event.alpha0_rad / DEG:.1f} deg, "
+        f"{event.obstacle}: {words.method(event.method)} re-planned, "
+        f"alpha {event.alpha_rad / DEG:.1f} < alpha_0 {event.alpha0_rad / DEG:.1f} deg, "
         f"command ({azimuth:.1f}, {elevation:.1f}) deg, deflection {event.deflection_rad / DEG:.1f} deg, "
         f"{path}"
     )
@@ -122,10 +105,11 @@ def event_sentence(event: ReplanEvent) -> str:
 def summary_markdown(record: FlightRecord, metrics: FlightMetrics) -> str:
     """The flight on one card: who flew what, how it ended, the numbers, every decision with its inputs."""
     plan = record.plan
-    labels = ", ".join(f"{axis} = {label}" for axis, label in plan.labels.items())
+    said = {who(record), words.method(plan.method.kind), plan.plant.kind, plan.aircraft}
+    labels = ", ".join(told for axis, label in plan.labels.items() if (told := words.circumstance(axis, label)) not in said)
     lines = [
-        f"## {OUTCOME_TEXT.get(metrics.outcome, metrics.outcome)}",
-        f"**{who(record)}**, method **{plan.method.kind}**, {number(plan.speed_mps, 0)} m/s" + (f"  \n{labels}" if labels else ""),
+        f"## {words.capital(words.outcome_told(metrics.outcome))}",
+        f"**{who(record)}**, **{words.method(plan.method.kind)}**, {number(plan.speed_mps, 0)} m/s" + (f"  \n{labels}" if labels else ""),
         *(["", record.message] if record.message else []),
         "",
         "| | |\n|---|---:|",
@@ -139,7 +123,7 @@ def summary_markdown(record: FlightRecord, metrics: FlightMetrics) -> str:
         f"| flight time | {number(metrics.flight_time_s, 2)} s |",
     ]
     for count, event in enumerate(record.events, start=1):
-        lines += ["", f"### Decision {count} at {number(event.time_s, 2)} s: {event.decision.replace('_', ' ')}", *_decision(event)]
+        lines += ["", f"### Decision {count} at {number(event.time_s, 2)} s: {words.read_aloud(event.decision)}", *_decision(event)]
     lines += ["", f"Flight `{plan.flight_id}`, campaign `{plan.campaign}`, replicate {plan.replicate}, seed {plan.seed}.", ""]
     lines += [LEGEND]
     return "\n".join(lines)
@@ -168,7 +152,7 @@ def _decision(event: ReplanEvent) -> list[str]:
         f"| alpha / alpha_0 | {angle(event.alpha_rad)} / {angle(event.alpha0_rad)} |",
         f"| straight lines pass at | {number(event.miss_m, 1)} m in {number(event.time_to_cpa_s, 2)} s |",
         f"| cap G | {cap} |",
-        f"| method, status | {event.method}, {event.status} |",
+        f"| method, status | {words.method(event.method)}, {words.read_aloud(event.status)} |",
         f"| command | {direction(event.command_enu_mps)} |",
         f"| deflection | {angle(event.deflection_rad)} |",
         f"| insertion point | ({place}) after {number(event.insertion_time_s, 2)} s |",

@@ -125,7 +125,7 @@ def closest(plan: FlightPlan) -> tuple[float, float, float]:
     s_m = float(flat.route.nearest(np.array(AT)[None])[0][0])  # turning the scene level keeps lengths
     point, tangent, _ = scene.route.frame(s_m)
     time_s = (s_m - scene.begin_s_m) / plan.speed_mps
-    apart, closing = np.array(track.at(time_s)) - np.array(point), np.array(track.vel) - plan.speed_mps * np.array(tangent)
+    apart, closing = np.array(track.at(time_s)[0]) - np.array(point), np.array(track.vel) - plan.speed_mps * np.array(tangent)
     miss = apart - (apart @ closing) / (closing @ closing) * closing
     return float(np.linalg.norm(apart)), float(np.linalg.norm(closing)), float(np.linalg.norm(miss))
 

@@ -179,7 +179,9 @@ def test_a_wrong_name_of_a_part_says_which_there_are(complaint: Complaint, good:
     message = complaint(good.replace("kind: scoam", "kind: scom"))
     assert message.startswith("bad.yaml:18:16: method.kind: no method 'scom'; there are: none, scoam")
     assert "did you mean 'scoam'?" in message
-    assert "aircraft: no aircraft 'ufo'; there are: " in complaint(good + "aircraft: ufo\n")
+    unknown = complaint(good + "aircraft: ufo\n")
+    assert "aircraft: no aircraft 'ufo'; there are: " in unknown
+    assert "`testbed --aircraft-path DIR` looks elsewhere too" in unknown
 
 
 def test_two_axes_must_not_set_the_same_thing(complaint: Complaint, good: str) -> None:
@@ -247,8 +249,8 @@ BOMB = "a: &a [x,x,x,x,x,x,x,x,x,x]\n" + "".join(f"{b}: &{b} [{','.join([f'*{a}'
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "bad.yaml: the file is empty (campaigns/ has examples)"),
-        ("# only a comment\n", "bad.yaml: the file is empty (campaigns/ has examples)"),
+        ("", "bad.yaml: the file is empty (`testbed init DIR` writes one to begin with)"),
+        ("# only a comment\n", "bad.yaml: the file is empty (`testbed init DIR` writes one to begin with)"),
         ("- a\n- b\n", "bad.yaml:1:1: must be a section: 'key: value' lines at the top, not a list or a text"),
         ("just text\n", "bad.yaml:1:1: must be a section: 'key: value' lines at the top, not a list or a text"),
         (b"name: \xff\n", "bad.yaml:1:7: byte 0xff is not UTF-8"),

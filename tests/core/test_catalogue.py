@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from testbed import fly
-from testbed.core.catalogue import AIRCRAFT_ROOT, PATH_VARIABLE, add_aircraft_path, aircraft_folders
+from testbed.core.catalogue import AIRCRAFT_ROOT, PATH_VARIABLE, add_aircraft_path, aircraft_beside, aircraft_folders
 from testbed.flight.aircraft import load_aircraft
 from testbed.run.identity import code_hash, guests
 from tests.plans import plan
@@ -44,6 +44,40 @@ def test_an_aircraft_from_elsewhere_flies_like_its_twin(hangar: Path) -> None:
     assert mine[0] == "mine"
     (hangar / "mine" / "aircraft.yaml").write_text((hangar / "mine" / "aircraft.yaml").read_text() + "# another\n")
     assert guests(["mine"])["mine"] != mine[1], "a run is of the aircraft it flew"
+
+
+def test_what_is_named_goes_before_what_lies_beside_the_study(hangar: Path, tmp_path: Path) -> None:
+    beside = tmp_path / "aircraft"
+    shutil.copytree(hangar / "mine", beside / "mine")
+    shutil.copytree(hangar / "mine", beside / "another")
+    with aircraft_beside(tmp_path):
+        assert aircraft_folders()["mine"] == beside / "mine"
+        add_aircraft_path(hangar)
+        assert aircraft_folders()["mine"] == hangar / "mine"
+        assert aircraft_folders()["another"] == beside / "another"
+    assert not {"mine", "another"} & set(aircraft_folders())
+    with aircraft_beside(AIRCRAFT_ROOT.parent), aircraft_beside(tmp_path / "nowhere"):
+        assert os.environ[PATH_VARIABLE] == "", "nothing new to look at"
+
+
+def test_the_command_looks_beside_the_campaign_and_where_it_is_typed(hangar: Path, tmp_path: Path) -> None:
+    study = tmp_path / "study"
+    study.mkdir()
+    hangar.rename(study / "aircraft")
+    text = (AIRCRAFT_ROOT.parent / "campaigns" / "smoke.yaml").read_text()
+    (study / "mine.yaml").write_text(text.replace("aircraft: gtm_t2", "aircraft: mine"))
+
+    def testbed(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-c", "from testbed.cli import main; main()", *arguments]
+        return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env={**os.environ, PATH_VARIABLE: ""}, check=False)
+
+    assert testbed("validate", "study/mine.yaml", cwd=tmp_path).stdout == "study/mine.yaml: 4 flights in 4 cells\n"
+    assert "mine" in testbed("list", "aircraft", cwd=study).stdout.split()
+    assert "mine" not in testbed("list", "aircraft", cwd=tmp_path).stdout.split()
+    unknown = testbed("aircraft", "mine", cwd=tmp_path)
+    assert (unknown.returncode, unknown.stdout) == (2, "")
+    assert "no aircraft 'mine'; there are: c172p, " in unknown.stderr
+    assert "--aircraft-path" in unknown.stderr
 
 
 def test_the_command_takes_the_path(hangar: Path) -> None:

@@ -9,10 +9,10 @@ from testbed import fly, measure
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.frames import vec3, wind_enu_from_compass
 from testbed.flight.aircraft import load_aircraft
-from testbed.flight.fly import make_law, make_plant, start_of
+from testbed.flight.fly import make_law, make_planner, make_plant, make_sensor, sensor_context, start_of
 from testbed.flight.path import ActivePath
+from testbed.flight.planning.context import Context, make_context
 from testbed.flight.planning.rejoin import resized
-from testbed.flight.planning.replan import Memory, Planner
 from testbed.flight.plants.base import State
 from testbed.flight.record import ReplanEvent
 from testbed.flight.scene import make_scene
@@ -34,9 +34,15 @@ def decide(a_plan: FlightPlan, time_s: float = 3.2, shift: np.ndarray | None = N
     vx, vy, vz = np.array([50.0, 0.0, 0.0]) + shift
     state = State(x, y, z, vx, vy, vz, *[0.0] * 4, 50.0, *[0.0] * 9)
     scene = make_scene(a_plan)
-    _, _, event = Planner(a_plan, scene).step(Memory(), time_s, state, scene.route, 0.0)
+    planner, sensor = make_planner(a_plan), make_sensor(a_plan)
+    _, seen = sensor.sense(sensor.start(sensor_context(a_plan)), time_s, state, scene.traffic)
+    _, _, event = planner.step(planner.start(context(a_plan)), time_s, state, seen, ActivePath(scene.route.curves), 0.0)
     assert event is not None
     return event
+
+
+def context(a_plan: FlightPlan) -> Context:
+    return make_context(a_plan, make_scene(a_plan), load_aircraft(a_plan.aircraft))
 
 
 def straight(**changes: object) -> FlightPlan:
@@ -96,10 +102,10 @@ def test_an_estimated_wind_has_the_error_that_was_asked_for() -> None:
     estimated = {"wind_known": "estimated", "wind_estimate_sigma_mps": 1.5}
     a, b = (decide(straight(replan=estimated, method={"kind": kind}, **DRIFTS), shift=W) for kind in ("scoam", "droam_hp"))
     assert a.wind_known_enu_mps == b.wind_known_enu_mps != tuple(W)
-    scene = make_scene(straight(**DRIFTS))
+    scene, aircraft = make_scene(straight(**DRIFTS)), load_aircraft("gtm_t2")
     errors = []
     for seed in range(400):
-        known = Planner(straight(replan=estimated, seed=seed, **DRIFTS), scene).wind_known(0.0, (0.0, 0.0, 0.0))
+        known = make_context(straight(replan=estimated, seed=seed, **DRIFTS), scene, aircraft).wind_known(0.0, (0.0, 0.0, 0.0))
         errors.append(np.array(known) - W)
     spread = np.array(errors).std(axis=0)
     assert spread[:2] == pytest.approx([1.5, 1.5], abs=4 * 1.5 / math.sqrt(800))
@@ -118,7 +124,7 @@ def test_drifting_traffic_is_where_it_should_be_when_it_should() -> None:
     fixed, drifting = (make_scene(plan(traffic={"in_wind": kind}, **changes)) for kind in ("ground_fixed", "drifts"))
     assert np.allclose(np.array(drifting.tracks[0].vel) - fixed.tracks[0].vel, W)
     meeting = np.linalg.lstsq(W[:, None], np.array(fixed.tracks[0].pos) - drifting.tracks[0].pos, rcond=None)[0][0]
-    assert np.allclose(fixed.tracks[0].at(meeting), (254, 63.6, 60.7), atol=1e-6)
+    assert np.allclose(fixed.tracks[0].at(meeting)[0], (254, 63.6, 60.7), atol=1e-6)
 
 
 def closest(a_plan: FlightPlan) -> tuple[float, np.ndarray, float]:
@@ -163,8 +169,9 @@ def flight_in_moving_air(a_plan: FlightPlan, wind: np.ndarray, seconds: float) -
     velocity = np.array([50.0, 0.0, 0.0]) + wind
     start = start_of(a_plan, scene)._replace(tangent=vec3(velocity / np.linalg.norm(velocity)), wind=vec3(wind))
     plant = make_plant(a_plan, aircraft, start, scene)
-    law, planner, handled = make_law(a_plan, aircraft), Planner(a_plan, scene), Memory()
-    path, memory = ActivePath((scene.route,)), law.start(0.0)
+    law, planner, sensor = make_law(a_plan, aircraft), make_planner(a_plan), make_sensor(a_plan)
+    sensed, handled = sensor.start(sensor_context(a_plan)), planner.start(make_context(a_plan, scene, aircraft))
+    path, memory = ActivePath(scene.route.curves), law.start(0.0)
     places, events = [], []
     for tick in range(round(seconds * 120)):
         state = plant.state(plant.sample())
@@ -175,7 +182,8 @@ def flight_in_moving_air(a_plan: FlightPlan, wind: np.ndarray, seconds: float) -
         )  # fmt: skip
         places.append(in_air[:3])
         if tick % 2 == 0:
-            handled, new_path, event = planner.step(handled, tick / 120, state, path, memory.s_m)
+            sensed, seen = sensor.sense(sensed, tick / 120, state, scene.traffic)
+            handled, new_path, event = planner.step(handled, tick / 120, state, seen, path, memory.s_m)
             if event:
                 events.append(event)
             if new_path and event:

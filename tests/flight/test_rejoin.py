@@ -10,8 +10,8 @@ from testbed import fly, measure
 from testbed.core.chain import Chain
 from testbed.flight.planning.rejoin import miss_along
 from testbed.flight.record import FlightRecord, Outcome
-from testbed.flight.traffic.track import Track
-from testbed.show.columns import collided
+from testbed.flight.sensing import Seen
+from testbed.results.rows import collided
 from testbed.show.story import event_sentence, leg_names
 from tests.plans import GTM, KINEMATIC, paper_obstacle, plan
 from vosc import ph
@@ -113,8 +113,8 @@ def test_the_miss_along_a_path_is_that_of_a_flight_along_it() -> None:
     metrics = measure(flown)
     assert metrics.route_miss_m == pytest.approx(metrics.least_clearance_m + 25.0, abs=0.05)
     line = Chain([ph.hermite((0, 0, 0), (600, 0, 0), (600, 0, 0), (600, 0, 0))])
-    track = Track("O", 1.0, (250.0, -150.0, 7.0), (0.0, 30.0, 0.0))
-    assert miss_along(line, 0.0, 50.0, 0.0, [track]) == pytest.approx(7.0, abs=0.01)
+    seen = Seen("O", 1.0, (250.0, -150.0, 7.0), (0.0, 30.0, 0.0), 0.0)
+    assert miss_along(line, 0.0, 50.0, 0.0, [seen]) == pytest.approx(7.0, abs=0.01)
     assert miss_along(line, 0.0, 50.0, 0.0, []) == math.inf
 
 

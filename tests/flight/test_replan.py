@@ -10,7 +10,7 @@ from testbed import fly, measure
 from testbed.flight.planning.rejoin import resized
 from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.base import State
-from testbed.flight.traffic.track import Track
+from testbed.flight.sensing import Seen
 from tests.plans import KINEMATIC, paper_obstacle, plan
 from vosc import Obstacle, Own, threat
 
@@ -34,15 +34,15 @@ def sphere(name: str, position: list[float], speed: float, direction: list[float
 def test_the_watch_never_hides_a_threat(
     own: tuple, velocity: tuple, centre: tuple, other: tuple, radius: float, swell: float, time_s: float
 ) -> None:
-    track = Track("O", radius, tuple(c - time_s * v for c, v in zip(centre, other, strict=True)), other)
-    now = track.at(time_s)
-    away = math.dist(own, now)
+    seen = Seen("O", radius, centre, other, time_s)
+    before = Seen("O", radius, seen.at(time_s - 2.0), other, time_s - 2.0)  # by a sensor that is late
     state = State(*own, *velocity, *[0.0] * 14)
-    if threat(Own(own, velocity), Obstacle(now, other, radius + swell)).is_threat:
-        assert Watch([track], away, swell).alarmed((), time_s, state)
-    if away > 1e-6:  # a square that is no zero
-        assert not Watch([track], 0.999 * away, swell).alarmed((), time_s, state)  # out of range
-    assert not Watch([track], away, swell).alarmed({"O"}, time_s, state)  # answered already
+    if threat(Own(own, velocity), Obstacle(centre, other, radius + swell)).is_threat:
+        assert Watch(swell).alarmed((), time_s, state, [seen])
+    if threat(Own(own, velocity), Obstacle(before.at(time_s), other, radius + swell)).is_threat:
+        assert Watch(swell).alarmed((), time_s, state, [before])
+    assert not Watch(swell).alarmed((), time_s, state, [])  # out of sight
+    assert not Watch(swell).alarmed({"O"}, time_s, state, [seen])  # answered already
 
 
 def test_each_new_threat_is_answered_once() -> None:

@@ -59,7 +59,7 @@ def test_an_obstacle_is_at_its_place_when_the_plan_has_the_aircraft_at_the_point
     for begin in ({"at_route_s_m": 0.0}, {"at_route_s_m": 100.0}):
         found = scene(plan(begin=begin, obstacles=[paper_obstacle()]))
         at = (found.route.nearest(np.array([[162.0, 101.0, 64.3]]))[0][0] - found.begin_s_m) / 50.0
-        assert np.allclose(found.tracks[0].at(at), (254, 63.6, 60.7), atol=1e-6)
+        assert np.allclose(found.tracks[0].at(at)[0], (254, 63.6, 60.7), atol=1e-6)
 
 
 def test_a_start_past_the_end_is_an_outcome_with_a_reason() -> None:

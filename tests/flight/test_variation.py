@@ -149,6 +149,18 @@ def test_an_own_aircraft_may_include_its_aerodynamics_from_a_file(tmp_path: Path
     assert np.array_equal(loads(split, factors), loads(own, factors))
 
 
+def test_where_links_are_not_allowed_the_aircraft_s_other_files_are_copied(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = load_aircraft("gtm_t2")
+    factors = dict.fromkeys(derivatives(own)[:3], 1.1)
+    linked = loads(own, factors)
+
+    def refuse(*_: object) -> None:
+        raise OSError("a required privilege is not held by the client")
+
+    monkeypatch.setattr(Path, "symlink_to", refuse)
+    assert np.array_equal(loads(own, factors), linked)
+
+
 def test_no_file_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     load_model(with_factors(load_aircraft("c172p"), {"aero/coefficient/Clp": 1.1}), 120)

@@ -180,7 +180,7 @@ def test_a_clearance_of_samples_alone_fails(monkeypatch: pytest.MonkeyPatch) -> 
 
     campaign, records = flown("clearance", "kinematic")
     assert not misses(campaign, records)
-    monkeypatch.setattr("testbed.results.metrics.least_clearance", nearest_sample)
+    monkeypatch.setattr("testbed.results.quantities.least_clearance", nearest_sample)
     assert len(misses(campaign, records)) == 6  # all but the flight that meets on a sample
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from testbed import fly, measure
 from testbed.flight.record import FlightRecord
-from testbed.results.metrics import goal_crossing
+from testbed.results.quantities import goal_crossing
 from tests.plans import KINEMATIC, plan
 
 STRAIGHT = {"start_enu_m": [0, 0, 0], "goal_enu_m": [600, 0, 0], "start_direction_deg": [0, 0], "goal_direction_deg": [0, 0]}

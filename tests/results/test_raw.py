@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 
 from testbed import fly
 from testbed.flight.record import FlightRecord
-from testbed.results.raw import write_columns
+from testbed.results.raw import raw_table, write_columns
 from tests.plans import KINEMATIC, paper_obstacle, plan
 
 WIND = {"wind": {"kind": "steady", "speed_mps": 10, "from_deg": 240}}
@@ -49,6 +50,44 @@ def test_obstacles_fly_on_from_where_they_are_said_to_be(record: FlightRecord, t
     np.testing.assert_array_equal(centre, record.columns["obstacle.O.pos_enu_m"])
     assert (obstacle["name"], obstacle["radius_m"]) == ("O", 25.0)
     assert math.hypot(*obstacle["vel_enu_mps"]) == pytest.approx(40.0)
+
+
+def with_way(record: FlightRecord, pos: np.ndarray, vel: np.ndarray) -> FlightRecord:
+    return replace(record, columns=record.columns | {"obstacle.O.pos_enu_m": pos, "obstacle.O.vel_enu_mps": vel})
+
+
+def way(record: FlightRecord) -> tuple[np.ndarray, np.ndarray]:
+    return record.columns["obstacle.O.pos_enu_m"], record.columns["obstacle.O.vel_enu_mps"]
+
+
+def bent(record: FlightRecord, how: str) -> FlightRecord:
+    pos, vel = (vectors.copy() for vectors in way(record))
+    if how == "a place":
+        pos[700] += (0.0, 2e-9, 0.0)
+    elif how == "a velocity":
+        vel[700] += (2e-9, 0.0, 0.0)
+    else:
+        gone = slice(None, 100) if how == "late" else slice(500, 600)
+        pos[gone], vel[gone] = math.nan, math.nan
+    return with_way(record, pos, vel)
+
+
+@pytest.mark.parametrize("how", ["a place", "a velocity", "a while", "late"])
+def test_an_obstacle_that_does_not_fly_straight_on_all_the_time_has_columns(record: FlightRecord, how: str) -> None:
+    other = bent(record, how)
+    table = raw_table(other)
+    assert about(table)["obstacles"] == [{"name": "O", "radius_m": 25.0}]
+    for name, vectors in zip(("pos_enu_m", "vel_enu_mps"), way(other), strict=True):
+        kept = np.column_stack([table[f"obstacle.O.{name}.{axis}"].to_numpy() for axis in "xyz"])
+        np.testing.assert_array_equal(kept, vectors)
+
+
+def test_one_that_flies_straight_has_its_line_and_no_columns_whatever_rounding_did(record: FlightRecord) -> None:
+    pos, vel = way(record)
+    for one in (record, with_way(record, pos + np.linspace(0.0, 9e-10, len(pos))[:, None], vel)):
+        table = raw_table(one)
+        assert not [name for name in table.column_names if name.startswith("obstacle.")]
+        assert about(table)["obstacles"][0]["vel_enu_mps"] == list(vel[0])
 
 
 def test_who_flew_and_what_was_decided_is_in_the_metadata(record: FlightRecord, table: pa.Table) -> None:

@@ -6,9 +6,8 @@ import math
 import os
 import signal
 import time
-from dataclasses import fields
 
-from testbed.flight.record import FlightMetrics
+from testbed.results.columns import METRICS, Kind
 from testbed.run.job import JobResult
 
 
@@ -75,7 +74,7 @@ def sleeps(marker_folder_and_x):
 def metrics_row(flight_id):
     """A row such as job.py makes, with numbers that depend on the flight."""
     n = float(int(hashlib.sha256(flight_id.encode()).hexdigest()[:6], 16))
-    numbers = {f.name: {str: "", int: 1, float: math.sqrt(n)}[f.type] for f in fields(FlightMetrics)} | {
+    numbers = {c.name: {Kind.TEXT: "", Kind.WHOLE: 1, Kind.NUMBER: math.sqrt(n), Kind.FLAG: None}[c.kind] for c in METRICS} | {
         "outcome": "reached",
         "deflection_deg": math.nan,
     }
@@ -130,6 +129,10 @@ def fly_badly(job):
 def page(campaign, rows, series, provenance, checks, lead):
     """A page that shows all it is given."""
     return json.dumps([campaign.name, rows, series, provenance, [str(line) for line in checks], lead], sort_keys=True)
+
+
+def ignores_ctrl_c(_item):
+    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 
 
 def deaf_to_ctrl_c(_):

@@ -55,7 +55,7 @@ def test_a_report_judges_again_without_flying(tmp_path, monkeypatch):
 def test_a_broken_metric_is_a_missed_check_on_the_page(tmp_path, monkeypatch):
     from testbed.flight.traffic.track import least_clearance
 
-    monkeypatch.setattr("testbed.results.metrics.least_clearance", lambda *told: least_clearance(*told)._replace(clearance_m=1.0))
+    monkeypatch.setattr("testbed.results.quantities.least_clearance", lambda *told: least_clearance(*told)._replace(clearance_m=1.0))
     missed = [line for line in run(tmp_path / "out").checks if not line.passed]
     assert len(missed) == 6
     page = (tmp_path / "out" / "index.html").read_text()

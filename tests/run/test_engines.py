@@ -1,4 +1,4 @@
-import multiprocessing
+import multiprocessing.resource_tracker
 import os
 import signal
 import subprocess
@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from testbed.run.engines import Died, EngineError, LocalEngine
+from testbed.run.engines import Died, EngineError, LocalEngine, usable_cores
 from tests.run import fakes
 
 pytestmark = pytest.mark.slow  # every test spawns processes
@@ -50,6 +50,25 @@ def test_the_work_is_shared_and_workers_are_replaced():
     assert len(set(results(LocalEngine(2), fakes.slow_square, list(range(2))))) == 2
     pids = results(LocalEngine(1, calls_per_worker=4), fakes.pid, list(range(10)))
     assert [pids.count(pid) for pid in dict.fromkeys(pids)] == [4, 4, 2]
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="this system cannot give a process fewer cores")
+def test_cores_that_a_process_may_not_use_do_not_count():
+    alone = "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}); from testbed.run.engines import usable_cores as cores"
+    assert subprocess.run([sys.executable, "-c", f"{alone}; print(cores())"], capture_output=True, text=True, check=True).stdout == "1\n"
+
+
+def test_where_the_system_does_not_tell_all_cores_count(monkeypatch):
+    for teller in ("sched_getaffinity", "process_cpu_count"):
+        monkeypatch.delattr(os, teller, raising=False)
+    monkeypatch.setattr(sys, "version_info", (3, 12))
+    assert usable_cores() == os.cpu_count()
+
+
+def test_where_signals_cannot_be_blocked_workers_ignore_ctrl_c(monkeypatch):
+    multiprocessing.resource_tracker.ensure_running()  # which would miss what is taken away here
+    monkeypatch.delattr(signal, "pthread_sigmask")
+    assert results(LocalEngine(1), fakes.ignores_ctrl_c, [0]) == [True]
 
 
 def test_workers_use_one_thread_and_the_driver_keeps_its_own_settings(monkeypatch):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from testbed.campaign import expand, load_campaign
-from testbed.flight.record import FlightMetrics
+from testbed.results.columns import FlightMetrics
 from testbed.results.plain import plain
 from testbed.run import journal
 from testbed.run.job import Job, run_job

@@ -12,7 +12,7 @@ from tests.run.fakes import metrics_row
 
 def event(**changes):
     values = {
-        name: (1.0, 2.0, 3.0) if "Vec3" in str(f.type) or "tuple" in str(f.type) else f.type()
+        name: (1.0, 2.0, 3.0) if "Vec3" in str(f.type) or "tuple" in str(f.type) else "none" if issubclass(f.type, str) else f.type()
         for name, f in ReplanEvent.__dataclass_fields__.items()
     }
     return values | changes

@@ -137,7 +137,7 @@ def test_a_run_whose_plug_in_was_tampered_with_is_refused(study: Path) -> None:
         ("tangent.py", "raise SystemExit(3)\n", "tangent.py:1: SystemExit"),
         ("tangent.py", "def other(own, obstacles): ...\n", "tangent.py has no 'avoid'; it has: other"),
         ("tangent.py", "avoid = 3\n", "cannot be used"),
-        ("tangent.py", "def avoid(own, obstacles, side: str = \"left\"):\n    return own.speed\n", "fails when it is tried: AttributeError"),
+        ("tangent.py", 'def avoid(own, obstacles, side: str = "left"):\n    return own.speed\n', "fails when it is tried: AttributeError"),
         ("tangent.py", "def avoid(own): ...\n", "takes 1 parameters, and is given 2"),
         ("tangent.py", "\udcff", "is not text in UTF-8"),
         ("elsewhere.py", "", "no such file"),

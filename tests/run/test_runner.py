@@ -9,7 +9,7 @@ import pytest
 
 from testbed.campaign import SpecError
 from testbed.run import identity, runner
-from testbed.run.directory import BadInputError
+from testbed.run.directory import BadInputError, RunDirectory
 from testbed.run.replay import replay
 from tests.run import fakes
 from tests.run.little import CAMPAIGN, STABLE, contents, flown, fly, little_campaign, stop_after
@@ -164,6 +164,21 @@ def test_two_runs_cannot_write_to_one_directory(tmp_path, fresh):
                 forbidden()
     assert contents(tmp_path / "out") == before
     assert fly(tmp_path).flown_now == 0
+
+
+def test_a_disk_that_cannot_lock_is_refused_in_words(tmp_path, monkeypatch):
+    def missing(*_):
+        raise OSError(errno.ENOSYS, "Function not implemented")
+
+    monkeypatch.setattr(fcntl, "flock", missing)
+    with pytest.raises(BadInputError, match="this disk cannot lock files"):
+        fly(tmp_path)
+
+
+def test_a_system_that_cannot_sync_a_folder_still_writes_its_files(tmp_path, monkeypatch):
+    monkeypatch.delattr(os, "O_DIRECTORY")
+    RunDirectory(tmp_path).put("a.txt", b"whole")
+    assert contents(tmp_path)["a.txt"] == b"whole"
 
 
 @pytest.mark.parametrize("name", ["manifest.json", "plan.json"])

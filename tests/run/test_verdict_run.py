@@ -49,7 +49,7 @@ def test_verdict_and_page_are_the_same_bytes_with_one_and_two_workers_and_verify
     page = (tmp_path / "1" / "index.html").read_text()
     assert page.index('id="verdict"') < page.index("<details")
     done = subprocess.run(
-        [sys.executable, str(ROOT / "reports" / "verify.py"), str(tmp_path / "2")], capture_output=True, text=True, check=False
+        [sys.executable, str(ROOT / "reports" / "verify"), str(tmp_path / "2")], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "everything agrees" in done.stdout

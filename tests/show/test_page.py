@@ -4,6 +4,7 @@ import base64
 import gzip
 import json
 import math
+import re
 from collections.abc import Callable
 from dataclasses import asdict
 from html.parser import HTMLParser
@@ -11,10 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from markupsafe import escape
 
 from testbed.campaign.words.settings import Campaign
-from testbed.flight.record import FlightMetrics, FlightRecord
+from testbed.flight.record import FlightRecord
 from testbed.results.checks import CheckResult
+from testbed.results.columns import METRICS, FlightMetrics
 from testbed.show import answer, figures
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
@@ -114,6 +117,38 @@ def test_axes_that_only_some_parts_have(four: tuple[list[Row], dict[str, Any]]) 
     assert [answer.circumstances(row, answer.telling_axes(rows)) for row in rows] == ["first", "first", "second, a", "second, b"]
 
 
+@pytest.mark.parametrize(
+    ("point", "craft", "verdict"),
+    [
+        (("reached", 3.0), ("reached", 2.0), "kept when flown"),
+        (("reached", 3.0), ("hit_ground", 2.0), "fails when flown"),  # it is clear of the obstacle and did not fly on
+        (("reached", -1e-9), ("reached", -1e-9), "kept when flown"),  # a touch is no collision
+        (("reached", 3.0), ("timed_out", -4.0), "fails when flown"),
+        (("collided", -3.0), ("reached", 2.0), "fails kinematically, kept when flown"),
+        (("collided", -3.0), ("diverged", 2.0), "fails kinematically"),
+        (("reached", math.nan), ("reached", 2.0), "not determined"),
+    ],
+)
+def test_a_pair_is_judged_by_the_rule_that_the_studies_have(
+    four: tuple[list[Row], dict[str, Any]], point: tuple[str, float], craft: tuple[str, float], verdict: str
+) -> None:
+    rows, series = four
+    for k, (outcome, clearance) in ((1, point), (3, craft)):
+        rows[k] |= {"outcome": outcome, "least_clearance_m": clearance}
+    assert answer.Pair(rows[1], rows[3]).verdict == verdict
+    page = render_page(campaign(), rows, series, PROVENANCE)
+    line = page[page.index("SCOAM", page.index('id="pairs"')) :]
+    colour, word = re.findall(r'badge-(\w+)">((?:fails|kept|not)[^<]*)</span>', line)[0]
+    good = "warn" if verdict == "not determined" else "good" if "kept when flown" in verdict else "bad"
+    assert (colour, word) == (good, verdict)
+
+
+def test_the_glossary_has_every_metric_with_its_definition(four: tuple[list[Row], dict[str, Any]]) -> None:
+    page = render_page(campaign(), *four, PROVENANCE)
+    for column in METRICS:
+        assert f"<code>{column.name}</code></dt><dd>{escape(column.definition)}</dd>" in page
+
+
 def test_the_answer_in_words_follows_the_rows(four: tuple[list[Row], dict[str, Any]]) -> None:
     text = " ".join(" ".join(parsed(render_page(campaign(), *four, PROVENANCE)).text).split())
     assert "Of 4 flights, 3 reached the goal, 1 collided." in text
@@ -190,7 +225,7 @@ def test_the_browser_gets_the_curves_of_every_group(four: tuple[list[Row], dict[
     figures = json.loads(gzip.decompress(base64.b64decode(packed)))
     assert [group["flights"] for group in figures["groups"]] == [[row["flight_id"] for row in four[0]]]
     one = figures["flights"]["fjsbsimscoam"]
-    assert one["name"] == "gtm_t2 (jsbsim), scoam"
+    assert one["name"] == "gtm_t2 flown in JSBSim, SCOAM"
     assert one["collided"]
     assert one["clearance_m"] == four[1]["fjsbsimscoam"]["clearance_m"]
 

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from testbed.flight.record import FlightMetrics, FlightRecord, Outcome
+from testbed.flight.record import FlightRecord, Outcome
+from testbed.results.columns import FlightMetrics
 from testbed.show.recording import write_recording
 
 MakeRecord = Callable[..., FlightRecord]

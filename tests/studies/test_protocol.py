@@ -91,9 +91,7 @@ def test_a_third_study_is_flown_kept_and_written_like_the_others(tmp_path: Path)
     rows = [json.loads(line) for line in (out / "rows.jsonl").read_text().splitlines()]
     recorded = {(line["row"]["method"], line["row"]["replicate"]) for line in rows if line["row"]["recording"]}
     assert recorded == {("scoam", 1)}  # the flight that it draws, and `recordings: selected` means no other
-    assert sorted(path.name for path in (out / "recordings").iterdir()) == [
-        Path(r["row"]["recording"]).name for r in rows if r["row"]["recording"]
-    ]
+    assert len(list((out / "recordings").iterdir())) == 1
     before = {file.name: file.read_bytes() for file in out.iterdir() if file.is_file()}
     runner.report(out)
     assert {file.name: file.read_bytes() for file in out.iterdir() if file.is_file()} == before
@@ -128,14 +126,10 @@ def test_flights_are_the_same_whoever_judges_them(tmp_path: Path) -> None:
     assert ids(CAMPAIGN, flies) != ids(CAMPAIGN, flies + "# another text\n")
 
 
+NO = "the study 'tally:Tally' knows no"
 WRONG_LABELS = [
-    (
-        "    scoam: {",
-        "    scaom: {",
-        "tally.yaml:16:5: sweep.method: the study 'tally:Tally' knows no method 'scaom'",
-        "did you mean 'scoam'?",
-    ),
-    ("  method:\n", "  metod:\n", "tally.yaml:14:3: sweep.metod: the study 'tally:Tally' knows no axis 'metod'", "did you mean 'method'?"),
+    ("    scoam: {", "    scaom: {", f"tally.yaml:16:5: sweep.method: {NO} method 'scaom'", "did you mean 'scoam'?"),
+    ("  method:\n", "  metod:\n", f"tally.yaml:14:3: sweep.metod: {NO} axis 'metod'", "did you mean 'method'?"),
     ("  method:\n", "  metod:\n", "tally.yaml:13:1: sweep: the sweep has no axis 'method', which the study 'tally:Tally' needs", ""),
     ("replan: {swell_m: 8}\n", "", "", ""),
 ]
@@ -180,20 +174,13 @@ class Twice(Study):
         replay(out, json.loads((out / "rows.jsonl").read_text().splitlines()[0])["row"]["flight_id"])
 
 
+FLIES = "    flies = True\n    fly = lambda self, plan: ('done', {'least_clearance_m': 1.0})\n"
 FAULTY = [
-    (
-        "kept = sum(",
-        "kept = missing(",
-        r"the study 'tally:Tally' fails to write: NameError: name 'missing' is not defined; the flights are kept",
-    ),
-    ("return Written({", "return {}, ({", "the study 'tally:Tally' writes tuple, and no testbed.studies.study.Written"),
+    ("kept = sum(", "kept = missing(", r"'tally:Tally' fails to write: NameError: name 'missing' is not defined; the flights are kept"),
+    ("return Written({", "return {}, ({", r"the study 'tally:Tally' writes tuple, and no testbed\.studies\.study\.Written"),
     ('"tally.csv"', '"../tally.csv"', r"cannot write files of these names: \.\./tally\.csv"),
     ('"tally.csv"', '"results.csv"', r"cannot write files of these names: results\.csv"),
-    (
-        "    labels =",
-        "    flies = True\n    fly = lambda self, plan: ('done', {'least_clearance_m': 1.0})\n    labels =",
-        "has to write a page of its own",
-    ),
+    ("    labels =", f"{FLIES}    labels =", "has to write a page of its own"),
 ]
 
 
@@ -231,7 +218,7 @@ def test_commands_are_plugged_in_and_the_command_line_knows_none_by_name() -> No
 
 
 def test_no_file_outside_the_folder_of_studies_names_one() -> None:
-    """Neither by an import, nor as the kind of a study; a method has the name of one of them, and one key of old plans that of the other."""
+    """Neither by an import, nor as a kind; a method has the name of one of them, and one key of old plans that of the other."""
     outside = [file for file in TESTBED.rglob("*.py") if file.relative_to(TESTBED).parts[0] != "studies"]
     assert len(outside) > 100
     named = []

@@ -1,9 +1,11 @@
 """Avoidance methods: one file each, all behind one call.
 
 A method is a function ``(own, obstacles, **options) -> Choice``; ``METHODS`` names them. A new one is a file in this folder and a
-line in the dict; every contract test then runs on it.
+line in the dict; every contract test then runs on it. It is given every obstacle that is seen; those that are known to be no threat
+are marked so (``Obstacle.is_threat``), and the methods here look at the others, scoam with ``consider="all"`` at all.
 
-Status of an answer, the same for all methods (the margin is measured against the exact cones, whatever the method believes):
+Status of an answer, the same for all methods. It and the margin are about the exact cones, whatever the method believes, of the
+obstacles that are not marked as no threat:
 
 =====================  ================================================================================================
 ``clear``              the present velocity is outside every cone: it is kept
@@ -21,8 +23,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from vosc.encounter import Obstacle, Own, cone_margin
-from vosc.methods.choice import Choice
+from vosc.encounter import Obstacle, Own, cone_margin, threatening
+from vosc.methods.choice import Choice, Status
 from vosc.methods.differential_geometry import differential_geometry
 from vosc.methods.droam import droam_hp, droam_vp
 from vosc.methods.least_deflection import least_deflection
@@ -31,9 +33,9 @@ from vosc.methods.orca import orca
 from vosc.methods.planes import planes, random_planes
 from vosc.methods.potential_field import potential_field
 from vosc.methods.scoam import scoam
-from vosc.vec import FloatArray, array, deflection
+from vosc.vec import FloatArray, array, deflection, three
 
-__all__ = ["MARGIN_RAD", "METHODS", "OPTIONS", "Avoidance", "Choice", "Method", "avoid"]
+__all__ = ["CHOICES", "MARGIN_RAD", "METHODS", "OPTIONS", "Avoidance", "Choice", "Method", "Status", "avoid", "checked_choice"]
 
 Method = Callable[..., Choice]
 
@@ -54,6 +56,7 @@ OPTIONS: Final[dict[str, frozenset[str]]] = {
     name: frozenset(list(inspect.signature(method).parameters)[2:]) for name, method in METHODS.items()
 }
 
+CHOICES: Final = (Status.AVOIDED, Status.NO_FREE_DIRECTION, Status.UNDEFINED)  # what a method may say of its velocity
 MARGIN_RAD = 1e-9  # a velocity this far inside a cone still counts as on it: critical velocities lie on cones by construction
 
 
@@ -67,7 +70,7 @@ class Avoidance:
 
     velocity_mps: FloatArray
     deflection_rad: float
-    status: str
+    status: Status
     margin_rad: float
 
 
@@ -75,7 +78,8 @@ def avoid(method: str | Method, own: Own, obstacles: Sequence[Obstacle], **optio
     """The velocity that a method, by name or as a function, commands against ``obstacles``; never NaN, never an exception for a
     physical input.
 
-    ``ValueError`` for a name not in ``METHODS``, an option the method does not have, or a value it does not take.
+    ``ValueError`` for a name not in ``METHODS``, an option the method does not have, a value it does not take, or an answer that is
+    none.
     """
     if isinstance(method, str):
         name, method = method, _named(method)
@@ -83,19 +87,31 @@ def avoid(method: str | Method, own: Own, obstacles: Sequence[Obstacle], **optio
             unknown = ", ".join(sorted(options.keys() - OPTIONS[name]))
             raise ValueError(f"method '{name}' has no option {unknown}; it has: {', '.join(sorted(OPTIONS[name])) or 'none'}")
     obstacles = tuple(obstacles)
-    present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in obstacles), default=math.inf)
-    if any(math.dist(own.pos_m, o.pos_m) < o.radius_m for o in obstacles):
-        choice = Choice(own.vel_mps, "inside")
+    met = threatening(obstacles)
+    present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in met), default=math.inf)
+    if any(math.dist(own.pos_m, o.pos_m) < o.radius_m for o in met):
+        choice = Choice(own.vel_mps, Status.INSIDE)
     elif present >= -MARGIN_RAD:
-        choice = Choice(own.vel_mps, "clear")
+        choice = Choice(own.vel_mps, Status.CLEAR)
     else:
-        choice = method(own, obstacles, **options)
+        choice = checked_choice(method(own, obstacles, **options))
     kept = choice.velocity_mps == own.vel_mps
-    margin = present if kept else min(cone_margin(own.pos_m, choice.velocity_mps, o) for o in obstacles)
-    status = choice.status
-    if status == "avoided" and margin < -MARGIN_RAD:
-        status = "unsafe"
+    margin = present if kept else min(cone_margin(own.pos_m, choice.velocity_mps, o) for o in met)
+    status = Status(choice.status)
+    if status is Status.AVOIDED and margin < -MARGIN_RAD:
+        status = Status.UNSAFE
     return Avoidance(array(choice.velocity_mps), 0.0 if kept else deflection(own.vel_mps, choice.velocity_mps), status, margin)
+
+
+def checked_choice(answer: Any) -> Choice:
+    """What a method handed back, as a ``Choice`` of floats; ``ValueError`` in words when it is no such thing."""
+    try:
+        velocity, status = answer
+    except (TypeError, ValueError):
+        raise ValueError(f"the method must return Choice(velocity_mps, status), not {answer!r}") from None
+    if not (isinstance(status, str) and status in CHOICES):
+        raise ValueError(f"the method's status must be one of {', '.join(CHOICES)}, not {status!r}")
+    return Choice(three("the method's velocity", velocity), Status(status))
 
 
 def _named(name: str) -> Method:

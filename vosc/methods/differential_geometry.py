@@ -9,8 +9,8 @@ the curvature to that direction; here only the direction is asked for. One obsta
 from collections.abc import Sequence
 
 from vosc.cone import exact_cones
-from vosc.encounter import Obstacle, Own, threat
-from vosc.methods.choice import Choice, none_free, undefined
+from vosc.encounter import Obstacle, Own, threat, threatening
+from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import circle_in_plane, least_turn
 from vosc.vec import right_of, sub, unit
 
@@ -21,6 +21,7 @@ def differential_geometry(own: Own, obstacles: Sequence[Obstacle]) -> Choice:
     Flying straight at the obstacle, where the plane is undefined, the turn is a horizontal one, to the right if both sides are
     equal. ``undefined`` when no direction of the plane is free.
     """
+    obstacles = threatening(obstacles)
     threats = [(threat(own, o).time_to_cpa_s, k) for k, o in enumerate(obstacles) if threat(own, o).is_threat]
     if own.vel_mps == (0.0, 0.0, 0.0) or not threats:
         return none_free(own) if threats else undefined(own)
@@ -30,4 +31,4 @@ def differential_geometry(own: Own, obstacles: Sequence[Obstacle]) -> Choice:
     if circle is None:
         return undefined(own)
     found = least_turn(exact_cones(own, [first]), [circle], (1, -1))
-    return undefined(own) if found is None else Choice(found, "avoided")
+    return undefined(own) if found is None else Choice(found, Status.AVOIDED)

@@ -10,16 +10,16 @@ from collections.abc import Sequence
 from typing import Literal
 
 from vosc.cone import exact_cones
-from vosc.encounter import Obstacle, Own
-from vosc.methods.choice import Choice, none_free, undefined
+from vosc.encounter import Obstacle, Own, threatening
+from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import Circle, least_turn, level_circle, vertical_circle
 
 
 def _best(own: Own, obstacles: Sequence[Obstacle], circle: Circle, senses: tuple[int, ...]) -> Choice:
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
-    found = least_turn(exact_cones(own, obstacles), [circle], senses)
-    return undefined(own) if found is None else Choice(found, "avoided")
+    found = least_turn(exact_cones(own, threatening(obstacles)), [circle], senses)
+    return undefined(own) if found is None else Choice(found, Status.AVOIDED)
 
 
 def droam_hp(own: Own, obstacles: Sequence[Obstacle], side: Literal["least", "left", "right"] = "least") -> Choice:

@@ -4,9 +4,9 @@ import math
 from collections.abc import Callable, Sequence
 
 from vosc.cone import exact_cones
-from vosc.encounter import Obstacle, Own
+from vosc.encounter import Obstacle, Own, threatening
 from vosc.free import nearest_free
-from vosc.methods.choice import Choice, none_free
+from vosc.methods.choice import Choice, Status, none_free
 from vosc.vec import Vec, deflection, norm
 
 SPEEDS = 33  # the grid of a speed range, refined round its best
@@ -21,7 +21,7 @@ def least_deflection(own: Own, obstacles: Sequence[Obstacle], speed_range_mps: t
     the range, and among equal turns the least change of speed (a grid of 33 speeds, refined round its best). ``ValueError`` unless
     0 < low <= high.
     """
-    cones = exact_cones(own, obstacles)
+    cones = exact_cones(own, threatening(obstacles))
 
     def at_speed(speed: float) -> Vec | None:
         return nearest_free(cones, speed, own.vel_mps)
@@ -33,7 +33,7 @@ def least_deflection(own: Own, obstacles: Sequence[Obstacle], speed_range_mps: t
         if not 0.0 < low <= high < math.inf:
             raise ValueError(f"speed_range_mps: give (low, high) with 0 < low <= high, got {speed_range_mps}")
         found = _over_speeds(own, at_speed, low, high) if norm(own.vel_mps) > 0.0 else None
-    return none_free(own) if found is None else Choice(found, "avoided")
+    return none_free(own) if found is None else Choice(found, Status.AVOIDED)
 
 
 def _over_speeds(own: Own, at_speed: Callable[[float], Vec | None], low: float, high: float) -> Vec | None:

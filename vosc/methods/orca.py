@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from vosc.cone import Cone
-from vosc.encounter import Obstacle, Own, relative_velocity
+from vosc.encounter import Obstacle, Own, relative_velocity, threatening
 from vosc.free import nearest_free
-from vosc.methods.choice import Choice, undefined
+from vosc.methods.choice import Choice, Status, undefined
 from vosc.vec import Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
 
 
@@ -116,15 +116,15 @@ def orca(
         raise ValueError(f"responsibility: give a share in (0, 1], got {responsibility}")
     if not horizon_s > 0.0:
         raise ValueError(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
-    spaces = [half_space(own, o, responsibility, horizon_s) for o in obstacles]
+    spaces = [half_space(own, o, responsibility, horizon_s) for o in threatening(obstacles)]
     speed = norm(own.vel_mps)
     if not keep_speed:
         point = nearest_in_ball(spaces, own.vel_mps, speed)
-        return undefined(own) if point is None else Choice(point, "avoided")
+        return undefined(own) if point is None else Choice(point, Status.AVOIDED)
     if speed == 0.0 or any(h.offset > speed for h in spaces):
         return undefined(own)
     # a half-space forbids the velocities within a circle round the opposite of its normal
     circles = [h for h in spaces if h.offset > -speed]
     forbidden = [Cone((0.0, 0.0, 0.0), scale(-1.0, h.normal), -h.offset / speed, math.sqrt(1.0 - (h.offset / speed) ** 2)) for h in circles]
     found = nearest_free(forbidden, speed, own.vel_mps)
-    return undefined(own) if found is None else Choice(found, "avoided")
+    return undefined(own) if found is None else Choice(found, Status.AVOIDED)

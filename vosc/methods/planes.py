@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from vosc.cone import Cone, exact_cones
-from vosc.encounter import Obstacle, Own
-from vosc.methods.choice import Choice, none_free, undefined
+from vosc.encounter import Obstacle, Own, threatening
+from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import great_circle, least_turn
 from vosc.vec import Vec, combine, cross, perpendicular, right_of, unit
 
@@ -22,7 +22,7 @@ MOST_PLANES = 10_000
 
 def _least_of(own: Own, cones: Sequence[Cone], normals: Sequence[Vec]) -> Choice:
     found = least_turn(cones, [great_circle(own.vel_mps, normal) for normal in normals], (-1, 1))
-    return undefined(own) if found is None else Choice(found, "avoided")
+    return undefined(own) if found is None else Choice(found, Status.AVOIDED)
 
 
 def _normals(velocity: Vec, roll_rad: Sequence[float]) -> list[Vec]:
@@ -46,7 +46,7 @@ def planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, offset_rad: flo
     _need_planes(n)
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
-    return _least_of(own, exact_cones(own, obstacles), _normals(own.vel_mps, [offset_rad + math.pi * k / n for k in range(n)]))
+    return _least_of(own, exact_cones(own, threatening(obstacles)), _normals(own.vel_mps, [offset_rad + math.pi * k / n for k in range(n)]))
 
 
 def random_planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, seed: int = 0) -> Choice:
@@ -60,4 +60,4 @@ def random_planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, seed: in
     if seed < 0:
         raise ValueError(f"seed: give a whole number from 0 on, got {seed}")
     rolls = np.random.default_rng(seed).uniform(0.0, math.pi, n)
-    return _least_of(own, exact_cones(own, obstacles), _normals(own.vel_mps, rolls.tolist()))
+    return _least_of(own, exact_cones(own, threatening(obstacles)), _normals(own.vel_mps, rolls.tolist()))

@@ -8,8 +8,8 @@ to show.
 import math
 from collections.abc import Sequence
 
-from vosc.encounter import Obstacle, Own
-from vosc.methods.choice import Choice, undefined
+from vosc.encounter import Obstacle, Own, threatening
+from vosc.methods.choice import Choice, Status, undefined
 from vosc.vec import Vec, along, norm, scale, sub, three, unit
 
 
@@ -26,11 +26,11 @@ def potential_field(
     if not (0.0 < gain < math.inf and 0.0 < reach < math.inf):
         raise ValueError(f"gain, reach: give numbers above 0, got {gain}, {reach}")
     force: Vec = unit(own.vel_mps if goal is None else three("goal", goal))
-    for o in obstacles:
+    for o in threatening(obstacles):
         away = sub(own.pos_m, o.pos_m)
         distance = norm(away)
         ratio = reach * o.radius_m / max(distance - o.radius_m, 1e-6 * o.radius_m)
         if ratio > 1.0:
             force = along(force, gain * (ratio - 1.0) * ratio * ratio / distance, away)
     size = norm(force)
-    return Choice(scale(norm(own.vel_mps) / size, force), "avoided") if size > 1e-9 else undefined(own)
+    return Choice(scale(norm(own.vel_mps) / size, force), Status.AVOIDED) if size > 1e-9 else undefined(own)

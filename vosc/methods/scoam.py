@@ -5,8 +5,8 @@ from typing import Literal
 
 from vosc.cone import is_free
 from vosc.direction import OBJECTIVES, Boundary, Objective, best_free, boundaries, corner_points
-from vosc.encounter import Obstacle, Own, cone_margin
-from vosc.methods.choice import Choice, undefined
+from vosc.encounter import Obstacle, Own, cone_margin, threatening
+from vosc.methods.choice import Choice, Status, undefined
 from vosc.spherical_cap import cap, critical_velocity, generatrices
 from vosc.vec import deflection, norm, three
 
@@ -37,19 +37,19 @@ def scoam(
     if (goal is not None) != (objective == "goal"):
         raise ValueError("goal: give a direction with objective='goal', and only with it")
     if consider == "threats":
-        obstacles = [o for o in obstacles if cone_margin(own.pos_m, own.vel_mps, o) < 0.0]
+        obstacles = [o for o in threatening(obstacles) if cone_margin(own.pos_m, own.vel_mps, o) < 0.0]
     if len(obstacles) == 1 and objective is None:
         pair = generatrices(own, obstacles[0])
         velocity = None if pair is None else critical_velocity(own, obstacles[0], pair[0])
-        return undefined(own) if velocity is None else Choice(velocity, "avoided")
+        return undefined(own) if velocity is None else Choice(velocity, Status.AVOIDED)
     cones = boundaries(own, obstacles, boundary)
     if cones is None:
         return undefined(own)
     if not corners_only:
         found = best_free(cones, own.vel_mps, objective or "least_deflection", None if goal is None else three("goal", goal))
-        return undefined(own) if found is None else Choice(found, "avoided")
+        return undefined(own) if found is None else Choice(found, Status.AVOIDED)
     caps = [c for c in (cap(own, o) for o in obstacles) if c is not None]
     speed = norm(own.vel_mps)
     corners = [three("S", s) for i, first in enumerate(caps) for second in caps[:i] for s in corner_points(first, second, speed)]
     corners = [s for s in corners if is_free(cones, s)]
-    return Choice(min(corners, key=lambda s: deflection(own.vel_mps, s)), "avoided") if corners else undefined(own)
+    return Choice(min(corners, key=lambda s: deflection(own.vel_mps, s)), Status.AVOIDED) if corners else undefined(own)

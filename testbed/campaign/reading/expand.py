@@ -15,6 +15,7 @@ from testbed.campaign.reading.draws import DrawError, drawn
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
 from testbed.campaign.words.grid import Part
+from testbed.campaign.words.planning import PlannerSpec
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.population import NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings, Vary
@@ -87,9 +88,13 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         unsaid["plugins"] = True
     if not plan.study.part.flies:
         unsaid["study"] = True
+    if plan.planner == PlannerSpec():
+        unsaid["planner"] = True
+    if plain := {k: {"kind", "options"} for k, spec in enumerate(plan.obstacles) if spec.kind == "straight" and not spec.options}:
+        unsaid["obstacles"] = plain
     for name in FlightSettings.model_fields:
         section = getattr(plan, name)
-        if name not in unsaid and isinstance(section, Pluggable) and name != "method" and not section.options:
+        if isinstance(section, Pluggable) and name not in ("method", *unsaid) and not section.options:
             unsaid[name] = {"options"}
     return unsaid
 

@@ -29,7 +29,7 @@ def load_campaign(path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
     tree, problems = parse(read_text(Path(path)))
     if not isinstance(tree.value, dict):
         if tree.value is None and not problems:
-            raise SpecError([Problem(tree.spot, "", "the file is empty", "campaigns/ has examples")])
+            raise SpecError([Problem(tree.spot, "", "the file is empty", "`testbed init DIR` writes one to begin with")])
         raise SpecError(problems or [Problem(tree.spot, "", "must be a section: 'key: value' lines at the top, not a list or a text")])
     sets, more = _read_overrides(overrides)
     tree, sets, unmade = _with_grids(tree, sets)

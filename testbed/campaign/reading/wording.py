@@ -88,7 +88,8 @@ def _unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     elif kind == "literal_error":
         message, hint = _choice(context["expected"], value)
     elif kind == "unknown_name":
-        message, hint = error["msg"], did_you_mean(str(value), context["listing"].split(", "))
+        elsewhere = "`testbed --aircraft-path DIR` looks elsewhere too" if context["what"] == "aircraft" else ""
+        message, hint = error["msg"], did_you_mean(str(value), context["listing"].split(", ")) or elsewhere
     elif kind == "unknown_option":
         message, hint = error["msg"], did_you_mean(context["option"], context["listing"].split(", "))
     elif kind == "bad_option":

@@ -51,7 +51,7 @@ class Pluggable(Section):
             return options
         what, part = f"{cls.family} '{kind}'", registry.part(cls.family, kind)
         try:
-            found = typed.checked(what, part, registry.FAMILIES[cls.family].given, options)
+            found = typed.checked(what, part, registry.given(cls.family, part), options)
         except typed.OptionsError as error:
             raise ValueError(f"the {what} cannot be used: {error}") from None
         try:

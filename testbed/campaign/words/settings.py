@@ -5,7 +5,7 @@ sweep each (``grid.py``); a ``FlightPlan`` is one cell and replicate of it, full
 """
 
 from collections.abc import Iterable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -13,18 +13,18 @@ from pydantic_core import PydanticCustomError
 from testbed.campaign.words.air import Air
 from testbed.campaign.words.check import Check
 from testbed.campaign.words.grid import Grid, Kept, Part, Replicates
+from testbed.campaign.words.planning import MethodSpec, PlannerSpec, Replan, Sensor
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Route
 from testbed.campaign.words.study import StudySpec
 from testbed.core.catalogue import aircraft_folders
 from testbed.core.section import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
-from vosc import Obstacle, Own
 
 
 def _known(what: str, name: str, known: Iterable[str]) -> str:
     """``name``, if it is one of ``known``; the error carries both, so that a message can suggest the nearest."""
     if name not in (names := list(known)):
-        context = {"what": what, "name": name, "listing": ", ".join(names)}
+        context = {"what": what, "name": name, "listing": ", ".join(names) or "none"}
         raise PydanticCustomError("unknown_name", "no {what} '{name}'; there are: {listing}", context)
     return name
 
@@ -69,9 +69,13 @@ class When(Section):
         return self
 
 
-class ObstacleSpec(Section):
-    """A sphere that moves in a straight line."""
+class ObstacleSpec(Pluggable):
+    """A sphere that moves along a track."""
 
+    family = "traffic"
+
+    kind: str = "straight"
+    """straight: on a straight line at a constant speed. `file:name` is a track of a plug-in, which starts from what stands here."""
     name: Name
     """Short name: letters, digits, _ and -. A sweep addresses the obstacle by it."""
     radius_m: Positive
@@ -85,72 +89,9 @@ class ObstacleSpec(Section):
     when: When = When(time_s=0.0)
     """The instant at which the obstacle is at position_enu_m."""
 
-
-class Sensor(Pluggable):
-    """What the planner sees: the truth, within a range of the obstacle's centre."""
-
-    family = "sensor"
-
-    kind: str = "truth"
-    """truth: position and velocity without error."""
-    range_m: Positive = 100.0
-    """An obstacle is seen when its centre is this near, m."""
-
-
-class MethodSpec(Pluggable):
-    """The avoidance method and its options."""
-
-    family = "method"
-
-    kind: str = "scoam"
-    """Avoidance method; `testbed list methods` shows them. `file:function` is one of a plug-in."""
-
-    @classmethod
-    def _try(cls, part: Any, options: dict[str, Any]) -> None:
-        own, obstacle = Own((0.0, 0.0, 0.0), (50.0, 0.0, 0.0)), Obstacle((100.0, 0.0, 0.0), (0.0, 0.0, 0.0), 25.0)
-        part(own, (obstacle,), **options)
-
-
-class Rejoin(Section):
-    """How the flight comes back after an avoidance."""
-
-    to: Literal["goal", "route"] = "goal"
-    """goal: straight for the goal. route: back to the original path, and along it."""
-    when: Literal["insertion_point", "clear"] = "insertion_point"
-    """insertion_point: planned at once, from there on (the paper). clear: the avoidance direction is held until every obstacle opens
-    and the way back keeps its radius. A direct answer has no insertion point and always waits until it is clear."""
-    margin_m: NonNegative = 1.0
-    """The way back is clear when it passes every obstacle with this much to spare, m."""
-    bank_deg: Annotated[Number, Field(ge=5, le=70)] = 45.0
-    """The way back to the route turns no tighter than a level turn with this bank, deg."""
-
-
-class Replan(Section):
-    """How a threat becomes a new path (sections 4.3, 5 of the paper)."""
-
-    policy: Literal["once"] = "once"
-    """once: one re-plan per new threat."""
-    answer: Literal["insertion_point", "direct"] = "insertion_point"
-    """insertion_point: a path through the insertion point, with the avoidance direction there (the paper). direct: the avoidance
-    direction at once; a kinematic plant's velocity then jumps to it."""
-    rejoin: Rejoin = Rejoin()
-    """How the flight comes back."""
-    k: Annotated[Number, Field(ge=1)] = 1.25
-    """The insertion point lies k radii ahead of the obstacle's centre, along its velocity (eq. 35)."""
-    time_rule: Literal["arrival", "paper_4_3_2"] = "arrival"
-    """When the insertion point is reached: arrival (own travel time to it) or the rule of section 4.3.2."""
-    swell_m: NonNegative = 0.0
-    """Added to the radius of every obstacle that the planner knows; clearance is still counted from the radius itself, m."""
-    horizon_s: Positive = 10.0
-    """A threat further away in time than this is ignored, s."""
-    magnitude_chords: Annotated[Positive, Field(le=3)] = 1.0
-    """Length of the end tangents of each new piece of path, in its chord lengths."""
-    vo_frame: Literal["air", "ground_naive"] = "air"
-    """air: velocities less the known wind, own sphere of radius airspeed. ground_naive: velocities over the ground, as in calm air."""
-    wind_known: Literal["exact", "estimated", "none"] = "exact"
-    """What the planner knows of the mean wind where it is: all of it, with an error that is drawn once a flight, or nothing."""
-    wind_estimate_sigma_mps: NonNegative = 1.0
-    """Standard deviation of the error of an estimated wind, for each horizontal component, m/s."""
+    def __hash__(self) -> int:
+        """Equal obstacles have equal numbers; their options, which a dict holds, have none."""
+        return hash((self.name, self.kind, self.radius_m, self.position_enu_m, self.speed_mps, self.direction_deg))
 
 
 class PlantSpec(Pluggable):
@@ -244,6 +185,8 @@ class FlightSettings(Section):
     """How obstacles take part in the wind."""
     sensor: Sensor = Sensor()
     """What the planner sees."""
+    planner: PlannerSpec = PlannerSpec()
+    """Who turns what is seen into a new path."""
     method: MethodSpec = MethodSpec()
     """The avoidance method."""
     replan: Replan = Replan()
@@ -289,7 +232,7 @@ class Campaign(Grid, FlightSettings):
     recordings: Kept = "selected"
     """Which flights leave a .rrd recording; selected: the first replicate of each cell."""
     columns: Kept = "none"
-    """Which flights leave their raw columns, from which reports/verify.py computes the results again."""
+    """Which flights leave their raw columns, from which reports/verify computes the results again."""
     check: Check | None = None
     """For a campaign that checks the testbed: how it is judged."""
     plugins: tuple[Annotated[str, Field(min_length=1)], ...] = ()
@@ -317,8 +260,8 @@ class FlightPlan(FlightSettings):
     @property
     def plugged(self) -> tuple[Pluggable, ...]:
         """Every section that names a part that the flight is made of: not a study that only judges it."""
-        sections = [value for name in FlightSettings.model_fields if isinstance(value := getattr(self, name), Pluggable)]
-        return tuple(section for section in sections if section is not self.study or self.study.part.flies)
+        sections = (getattr(self, name) for name in FlightSettings.model_fields if name != "study" or self.study.part.flies)
+        return (*(section for section in sections if isinstance(section, Pluggable)), *self.obstacles)
 
     @field_validator("air")
     @classmethod

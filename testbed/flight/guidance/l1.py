@@ -14,7 +14,7 @@ from testbed.core.units import G0_MPS2
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.guidance.bank_to_turn import BankToTurn
 from testbed.flight.guidance.law import GuidanceSetting, Memory, SpeedHold, Telemetry
-from testbed.flight.path import ActivePath
+from testbed.flight.path import Path
 from testbed.flight.plants.base import Command, State
 
 
@@ -30,7 +30,7 @@ class L1Law:
     def start(self, s_m: float) -> Memory:
         return Memory(s_m, s_m)
 
-    def step(self, memory: Memory, state: State, path: ActivePath) -> tuple[Command, Memory, Telemetry]:
+    def step(self, memory: Memory, state: State, path: Path) -> tuple[Command, Memory, Telemetry]:
         x, y, z, vx, vy, vz = state[:6]
         flat = math.hypot(vx, vy)
         speed = math.hypot(flat, vz)
@@ -58,7 +58,7 @@ def make_law(setting: GuidanceSetting) -> L1Law:
     return L1Law(setting.aircraft, setting.hold, setting.dt_s)
 
 
-def _nearest(s_m: float, state: State, path: ActivePath) -> tuple[float, float]:
+def _nearest(s_m: float, state: State, path: Path) -> tuple[float, float]:
     """Arc length of the nearest point, from a guess beside it, and the distance."""
     d, (px, py, pz, tx, ty, tz, _, _, _) = path.look_up(s_m)
     ex, ey, ez = state.x - px - tx * d, state.y - py - ty * d, state.z - pz - tz * d

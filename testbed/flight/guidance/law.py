@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from testbed.flight.aircraft import Aircraft
-from testbed.flight.path import ActivePath
+from testbed.flight.path import Path
 from testbed.flight.plants.base import Command, State
 
 CATCH_UP_1PS = 0.5  # airspeed added per metre behind the schedule ...
@@ -40,7 +40,7 @@ class Law(Protocol):
     def start(self, s_m: float) -> Memory:
         """Fresh memory for a path on which the aircraft stands at ``s_m``."""
 
-    def step(self, memory: Memory, state: State, path: ActivePath) -> tuple[Command, Memory, Telemetry]: ...
+    def step(self, memory: Memory, state: State, path: Path) -> tuple[Command, Memory, Telemetry]: ...
 
 
 @dataclass(frozen=True, slots=True)

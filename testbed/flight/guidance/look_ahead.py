@@ -14,7 +14,7 @@ from testbed.core.units import G0_MPS2
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.guidance.bank_to_turn import BankToTurn
 from testbed.flight.guidance.law import GuidanceSetting, Memory, SpeedHold, Telemetry
-from testbed.flight.path import ActivePath
+from testbed.flight.path import Path
 from testbed.flight.plants.base import Command, State, make
 
 INTEGRAL_LIMIT_MPS2 = 3.0
@@ -37,7 +37,7 @@ class LookAheadLaw:
     def start(self, s_m: float) -> Memory:
         return Memory(s_m, s_m)
 
-    def step(self, memory: Memory, state: State, path: ActivePath) -> tuple[Command, Memory, Telemetry]:
+    def step(self, memory: Memory, state: State, path: Path) -> tuple[Command, Memory, Telemetry]:
         x, y, z, vx, vy, vz, bank_now, _, _, _, airspeed_now = state[:11]
         s, scheduled_s, i_left, i_up = memory
         flat2 = vx * vx + vy * vy

@@ -1,3 +1,8 @@
 """From what is seen to a new path, and back. A planner is a file here and a line in ``PLANNERS``."""
 
-PLANNERS = {"replan": "testbed.flight.planning.replan:Planner"}
+from testbed.flight.planning.context import Context, Step
+from testbed.flight.planning.steering import Steer
+
+__all__ = ["PLANNERS", "Context", "Steer", "Step"]
+
+PLANNERS = {"replan": "testbed.flight.planning.replan:Replanner"}

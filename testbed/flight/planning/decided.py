@@ -2,7 +2,7 @@
 
 import math
 
-from testbed.flight.path import ActivePath
+from testbed.flight.path import Path
 from testbed.flight.planning.rejoin import miss_along, opens
 from testbed.flight.plants.base import State
 from testbed.flight.record import inside
@@ -11,16 +11,17 @@ from testbed.flight.scene import Scene
 
 class Decided:
     """True when the flight is clear: outside of every sphere, every obstacle opens, and the rest of the active path, flown on at the
-    present speed over the ground, keeps every radius.
+    present speed over the ground, keeps every radius. It ends a flight, it plans none: so it is told the truth.
     """
 
     def __init__(self, scene: Scene) -> None:
-        self._tracks = scene.tracks
+        self._traffic = scene.traffic
 
-    def __call__(self, time_s: float, state: State, path: ActivePath, s_m: float) -> bool:
+    def __call__(self, time_s: float, state: State, path: Path, s_m: float) -> bool:
         pos = (state.x, state.y, state.z)
-        for track in self._tracks:  # what costs nothing first
-            if not opens(state, track, time_s) or inside(math.dist(pos, track.at(time_s)) - track.radius):
+        bodies = self._traffic.at(time_s)
+        for body in bodies:  # what costs nothing first
+            if not opens(state, body, time_s) or inside(math.dist(pos, body.pos) - body.radius_m):
                 return False
         speed = math.hypot(state.vx, state.vy, state.vz)
-        return not any(inside(miss_along(path, s_m, speed, time_s, [track]) - track.radius) for track in self._tracks)
+        return not any(inside(miss_along(path, s_m, speed, time_s, [body]) - body.radius_m) for body in bodies)

@@ -1,13 +1,14 @@
 """What a decision of the planner is remembered by: its inputs and its result, whatever it was."""
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
-from testbed.campaign.words.settings import Replan
+from testbed.campaign.words.planning import Replan
 from testbed.core.frames import Vec3, vec3
 from testbed.flight.path import ActivePath
-from testbed.flight.record import ReplanEvent
-from testbed.flight.traffic.track import Track
+from testbed.flight.record import Decision, ReplanEvent
+from testbed.flight.sensing.base import Seen
 from vosc import Insertion, Obstacle, Own, Threat, cap, threat
 from vosc.methods import Avoidance
 from vosc.vec import add, along, sub
@@ -19,15 +20,16 @@ NOWHERE: Vec3 = (NAN, NAN, NAN)
 class Sighting(NamedTuple):
     """An obstacle that the planner knows, and how it threatens."""
 
-    track: Track
+    seen: Seen
     obstacle: Obstacle  # its velocity is the one in the planner's frame
     threat: Threat
 
     @classmethod
-    def of(cls, track: Track, centre: Vec3, own: Own, wind: Vec3, settings: Replan) -> "Sighting":
-        """An obstacle at ``centre``, seen from the frame that moves with ``wind``, as large as the planner takes it to be."""
-        obstacle = Obstacle(centre, sub(track.vel, wind), track.radius + settings.swell_m)
-        return cls(track, obstacle, threat(own, obstacle, settings.horizon_s))
+    def of(cls, seen: Seen, time_s: float, own: Own, wind: Vec3, settings: Replan) -> "Sighting":
+        """Where it is at a time, from the frame that moves with ``wind``, as large as the planner takes it to be, and marked."""
+        obstacle = Obstacle(seen.at(time_s), sub(seen.vel, wind), seen.radius_m + settings.swell_m)
+        told = threat(own, obstacle, settings.horizon_s)
+        return cls(seen, replace(obstacle, is_threat=told.is_threat), told)
 
 
 def carried(insertion: Insertion, wind: Vec3) -> Vec3:
@@ -37,7 +39,7 @@ def carried(insertion: Insertion, wind: Vec3) -> Vec3:
 
 def make_event(
     time_s: float,
-    decision: str,
+    decision: Decision,
     method: str,
     own: Own,
     major: Sighting,
@@ -46,10 +48,11 @@ def make_event(
     path: ActivePath | None,
     wind: Vec3,
     route_miss_m: float,
+    status: str = "clear",
 ) -> ReplanEvent:
     """Everything that went into a decision and came out of it; ``own`` and the obstacle are those of the planner's frame.
 
-    The way back (``answer`` is None) has no command of a method.
+    The way back, a law that steers and a planner of somebody's own have no answer of a method, but a ``status`` of their own.
     """
     g = cap(own, major.obstacle)
     commanded = answer if path else None
@@ -57,14 +60,14 @@ def make_event(
     there, on = (turns[0], max(turns[1:], default=NAN)) if insertion and turns else (NAN, max(turns, default=NAN))
     return ReplanEvent(
         time_s=time_s,
-        obstacle=major.track.name,
+        obstacle=major.seen.name,
         decision=decision,
         method=method,
-        status=answer.status if answer else "clear",
+        status=answer.status if answer else status,
         own_pos_enu_m=own.pos_m,
         own_vel_enu_mps=add(own.vel_mps, wind),
         obstacle_pos_enu_m=major.obstacle.pos_m,
-        obstacle_vel_enu_mps=major.track.vel,
+        obstacle_vel_enu_mps=major.seen.vel,
         radius_m=major.obstacle.radius_m,
         alpha_rad=major.threat.alpha_rad,
         alpha0_rad=major.threat.alpha0_rad,

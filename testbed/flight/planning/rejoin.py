@@ -2,22 +2,23 @@
 
 *Clear* is the first time at which every known obstacle opens (its distance grows) and the predicted rest of the flight, along the way
 back, keeps the radius of every one of them and a margin. Until then the flight holds the avoidance direction, so that coming back is
-no second conflict. Predictions hold the present speed over the ground; obstacles go on straight.
+no second conflict. Predictions hold the present speed over the ground; obstacles go on straight from where they were last seen.
 """
 
 import math
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
-from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.path import ActivePath
+from testbed.flight.planning.context import Context
 from testbed.flight.plants.base import State
-from testbed.flight.scene import Scene
-from testbed.flight.traffic.track import Track, least_clearance
+from testbed.flight.sensing.base import Seen
+from testbed.flight.traffic.track import least_clearance
 from vosc import ph
 from vosc.vec import add, norm, scale
 
@@ -44,32 +45,40 @@ def ray(point: Vec3, velocity: Vec3) -> ph.Curve:
     return ph.hermite(point, arrow, add(point, arrow), arrow)
 
 
-def miss_along(path: Chain, s_m: float, speed_mps: float, time_s: float, tracks: Sequence[Track]) -> float:
+class Placed(Protocol):
+    """A path by arc length, as far as a prediction needs it."""
+
+    length_m: float
+
+    def points(self, s_m: np.ndarray) -> np.ndarray: ...
+
+
+def miss_along(path: Placed, s_m: float, speed_mps: float, time_s: float, obstacles: Sequence[Seen]) -> float:
     """Least distance (m) to the centre of any of the obstacles along the rest of a path, flown on at that speed; infinite for none."""
     elapsed = np.arange(0.0, min(PREDICTED_S, max(path.length_m - s_m, 1.0) / speed_mps), PREDICTION_STEP_S)
     points = path.points(s_m + speed_mps * elapsed)
-    centres = (np.asarray(track.at(time_s)) + np.outer(elapsed, track.vel) for track in tracks)
+    centres = (np.asarray(seen.at(time_s)) + np.outer(elapsed, seen.vel) for seen in obstacles)
     return min((least_clearance(elapsed, points, centre, 0.0).clearance_m for centre in centres), default=math.inf)
 
 
-def opens(state: State, track: Track, time_s: float) -> bool:
+def opens(state: State, seen: Seen, time_s: float) -> bool:
     """Does the distance to the obstacle grow?"""
-    x, y, z = track.at(time_s)
-    wx, wy, wz = track.vel
+    x, y, z = seen.at(time_s)
+    wx, wy, wz = seen.vel
     return (x - state.x) * (wx - state.vx) + (y - state.y) * (wy - state.vy) + (z - state.z) * (wz - state.vz) > 0.0
 
 
 class Rejoin:
     """The way back of one flight."""
 
-    def __init__(self, plan: FlightPlan, scene: Scene) -> None:
-        self._settings, self._magnitude = plan.replan.rejoin, plan.replan.magnitude_chords
-        self._scene = scene
-        self._most_curvature = G0_MPS2 * math.tan(self._settings.bank_deg * DEG) / plan.speed_mps**2
+    def __init__(self, context: Context) -> None:
+        self._settings, self._magnitude = context.replan.rejoin, context.replan.magnitude_chords
+        self._context = context
+        self._most_curvature = G0_MPS2 * math.tan(self._settings.bank_deg * DEG) / context.speed_mps**2
 
-    def when_clear(self, time_s: float, state: State, tracks: Sequence[Track]) -> ActivePath | None:
-        """The way back from the present state, once it is clear of ``tracks``; None while it is not."""
-        if not all(opens(state, track, time_s) for track in tracks):
+    def when_clear(self, time_s: float, state: State, known: Sequence[Seen]) -> ActivePath | None:
+        """The way back from the present state, once it is clear of all that is ``known``; None while it is not."""
+        if not all(opens(state, seen, time_s) for seen in known):
             return None
         velocity = (state.vx, state.vy, state.vz)
         try:
@@ -77,18 +86,18 @@ class Rejoin:
         except (ValueError, ZeroDivisionError):  # at the goal
             return None
         way, speed = Chain(curves), norm(velocity)
-        kept = (miss_along(way, 0.0, speed, time_s, [track]) - track.radius for track in tracks)
+        kept = (miss_along(way, 0.0, speed, time_s, [seen]) - seen.radius_m for seen in known)
         return ActivePath(curves) if all(clearance >= self._settings.margin_m for clearance in kept) else None
 
     def curves(self, point: Vec3, velocity: Vec3) -> tuple[ph.Curve, ...]:
         """PH pieces from a point, along a velocity over the ground, to the goal or to the route and along it."""
         if self._settings.to == "route" and (way := self._to_route(point, velocity)):
             return way
-        return (joined(point, velocity, self._scene.goal, self._scene.goal_tangent, self._magnitude),)
+        return (joined(point, velocity, self._context.goal, self._context.goal_tangent, self._magnitude),)
 
     def _to_route(self, point: Vec3, velocity: Vec3) -> tuple[ph.Curve, ...]:
         """To the first place of the route that can be reached within the bank that is set aside for it; empty when there is none."""
-        route = self._scene.route
+        route = self._context.route
         nearest = float(route.nearest(np.asarray(point)[None])[0][0])
         for s_m in nearest + norm(velocity) * AHEAD_S:
             if s_m >= route.length_m - 1.0:

@@ -3,7 +3,10 @@
 One new path per new threat (policy ``once``); every decision is an event with its inputs and its result, whatever it was. The paper
 applies the avoidance direction at the insertion point only (``answer: insertion_point``), so the S-turn before it is not covered by
 what a velocity obstacle promises; ``answer: direct`` flies the direction at once, from where the aircraft is. How the flight comes back
-is in ``rejoin.py``.
+is in ``rejoin.py``. A method that is a law over time steers instead, from the first threat until the flight is clear (``steering.py``).
+
+A method is given everything in sight, marked as a threat or not; what is out of sight is taken to go straight on from where it was
+last seen, and counts for the way back.
 
 In a wind (``vo_frame: air``) the decision is made in the frame that moves with the air as the planner knows it and that coincides
 with the ground's at the instant of the decision. There the aircraft flies at its airspeed whatever its direction, which is what a
@@ -20,113 +23,120 @@ insertion rule is lost. The curves are then PH over the ground, from v_g now thr
 all this with the velocities over the ground, as if the present ground speed could be kept in any direction: W = 0 in the above.
 """
 
+import inspect
 import math
+from collections.abc import Mapping, Sequence
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from testbed.campaign.words.settings import FlightPlan
-from testbed.core import registry
-from testbed.core.chain import Chain
 from testbed.core.frames import Vec3, vec3
-from testbed.core.seeds import stream
-from testbed.flight.path import ActivePath
+from testbed.flight.path import ActivePath, Path
+from testbed.flight.planning.context import STILL, Answer, Context, Step
 from testbed.flight.planning.decision import Sighting, carried, make_event
 from testbed.flight.planning.rejoin import Rejoin, joined, miss_along, ray
+from testbed.flight.planning.steering import SteeringLaw, arc
 from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.base import State
-from testbed.flight.record import ReplanEvent
-from testbed.flight.scene import Scene
-from testbed.flight.sensing.truth import detect
-from testbed.flight.traffic.track import Track
+from testbed.flight.record import Decision
+from testbed.flight.sensing.base import Seen
 from vosc import Insertion, Own, insertion_point
-from vosc.methods import Avoidance, avoid
+from vosc.methods import Avoidance, Status, avoid
 from vosc.vec import add, norm, sub
 
-STILL: Vec3 = (0.0, 0.0, 0.0)
+NO_ONE: Mapping[str, Seen] = {}
 
 
 class Memory(NamedTuple):
-    """The planner's memory: names of the threats that have been answered, and from which arc length of the active path on the
-    flight holds the avoidance direction until it is clear (infinite when it does not).
+    """The planner's memory: names of the threats that have been answered; from which arc length of the active path on the flight
+    looks for the way back (infinite when it does not, and from anywhere while a law steers); every obstacle as it was last seen, for
+    flights that look for one; and the memory of the law that steers, in a tuple (None when none does).
     """
 
     handled: frozenset[str] = frozenset()
     hold_from_s_m: float = math.inf
+    known: Mapping[str, Seen] = NO_ONE
+    law: tuple[Any] | None = None
 
 
-class Planner:
-    """The planner of one flight; its memory goes in and comes out."""
+class Replanner:
+    """The planner of one flight. ``start`` tells it which; what it remembers goes in and comes out."""
 
-    def __init__(self, plan: FlightPlan, scene: Scene) -> None:
-        self._plan, self._scene = plan, scene
-        self._method = registry.part("method", plan.method.kind, plan.plugins)
-        self._rejoin = Rejoin(plan, scene)
-        self._watch = Watch(scene.tracks, plan.sensor.range_m, plan.replan.swell_m)
-        self._error = _wind_error(plan)
+    def __init__(self) -> None:
         self.slowest_s = 0.0  # wall-clock seconds of the slowest answer, from the threats to the new path
 
-    def wind_known(self, time_s: float, pos: Vec3) -> Vec3:
-        """The mean wind at a place as this planner has it."""
-        settings = self._plan.replan
-        if settings.vo_frame == "ground_naive" or settings.wind_known == "none":
-            return STILL
-        return add(self._scene.air.mean(time_s, pos), self._error)
+    def start(self, context: Context) -> Memory:
+        self._context, self._settings = context, context.replan
+        part, options = context.method.part, context.method.options
+        law: Any = part(**options) if inspect.isclass(part) else None
+        self._law: SteeringLaw | None = law
+        self._comes_back = law is not None or self._settings.answer == "direct" or self._settings.rejoin.when == "clear"
+        self._rejoin, self._alarmed = Rejoin(context), Watch(context.replan.swell_m).alarmed
+        return Memory()
 
-    def step(
-        self, memory: Memory, time_s: float, state: State, path: Chain, s_m: float
-    ) -> tuple[Memory, ActivePath | None, ReplanEvent | None]:
-        """One tick of a flight that is at ``s_m`` of ``path``: the new path, if there is one, and the event, if something was decided."""
-        holding, alarmed = s_m >= memory.hold_from_s_m, self._watch.alarmed(memory.handled, time_s, state)
-        if not (holding or alarmed):
+    def step(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float) -> Answer:
+        """One look of a flight that is at ``s_m`` of ``path``: the new path, if there is one, and the event, if something was decided."""
+        holds = s_m >= memory.hold_from_s_m
+        if not (seen or holds):
             return memory, None, None
-        seen = detect(self._plan.sensor, self._scene.tracks, time_s, (state.x, state.y, state.z))
-        if alarmed:
-            threats = self._threats(time_s, state, seen)
-            if any(sighting.track.name not in memory.handled for sighting in threats):
-                return self._answer(memory, time_s, state, threats, path, s_m)
-        if holding:
-            known = [track for track in self._scene.tracks if track.name in memory.handled or any(track is other for other, _ in seen)]
-            return self._back(memory, time_s, state, known)
-        return memory, None, None
+        handled = memory.handled
+        if self._comes_back and seen and handled:
+            memory = memory._replace(known={**memory.known, **{one.name: one for one in seen}})
+        if memory.law is not None:
+            return self._steered(memory, time_s, state, seen, s_m)
+        if self._alarmed(handled, time_s, state, seen):
+            own, wind = self._own(time_s, state)
+            sightings = [Sighting.of(one, time_s, own, wind, self._settings) for one in seen]
+            if any(sighting.obstacle.is_threat and sighting.seen.name not in memory.handled for sighting in sightings):
+                return self._answer(memory, time_s, state, sightings, path, s_m)
+        return self._back(memory, time_s, state, seen) if holds else (memory, None, None)
 
     def _own(self, time_s: float, state: State) -> tuple[Own, Vec3]:
         """The aircraft in the planner's frame, and the wind that this frame moves with."""
         pos = (state.x, state.y, state.z)
-        wind = self.wind_known(time_s, pos)
+        wind = STILL if self._settings.vo_frame == "ground_naive" else self._context.wind_known(time_s, pos)
         return Own(pos, sub((state.vx, state.vy, state.vz), wind)), wind
 
-    def _threats(self, time_s: float, state: State, seen: list[tuple[Track, Vec3]]) -> list[Sighting]:
-        """The threats among what is seen."""
-        own, wind = self._own(time_s, state)
-        sightings = [Sighting.of(track, centre, own, wind, self._plan.replan) for track, centre in seen]
-        return [sighting for sighting in sightings if sighting.threat.is_threat]
-
-    def _answer(
-        self, memory: Memory, time_s: float, state: State, threats: list[Sighting], path: Chain, s_m: float
-    ) -> tuple[Memory, ActivePath | None, ReplanEvent]:
+    def _answer(self, memory: Memory, time_s: float, state: State, sightings: Sequence[Sighting], path: Path, s_m: float) -> Step:
         """Decide on the avoidance and plan the path that does it; all threats count, old and new."""
         began = perf_counter()
-        settings, kind = self._plan.replan, self._plan.method.kind
         own, wind = self._own(time_s, state)
+        threats = [sighting for sighting in sightings if sighting.obstacle.is_threat]
         major = min(threats, key=lambda sighting: time_of_collision(own, sighting))
-        answer = avoid(self._method, own, [sighting.obstacle for sighting in threats], **self._plan.method.options)
-        memory = memory._replace(handled=memory.handled | {sighting.track.name for sighting in threats})
-        insertion, new, decision = None, None, "none" if kind == "none" else answer.status
-        if kind != "none" and answer.status in ("avoided", "unsafe"):
-            direct = settings.answer == "direct"
-            insertion = None if direct else insertion_point(own, major.obstacle, settings.k, settings.time_rule)
-            new = self._path(own, answer, insertion, wind) if direct or insertion else None
-            decision = "replanned" if new else "no_path" if direct or insertion else "no_insertion_point"
+        known = {**memory.known, **{sighting.seen.name: sighting.seen for sighting in sightings}}
+        memory = memory._replace(handled=memory.handled | {sighting.seen.name for sighting in threats}, known=known)
+        passing = miss_along(path, s_m, norm(add(own.vel_mps, wind)), time_s, [sighting.seen for sighting in threats])
+        kind, answer, insertion, new = self._context.method.kind, None, None, None
+        if self._law is not None:
+            decision = Decision.STEERED
+            memory = memory._replace(law=(self._law.start(self._context),), hold_from_s_m=-math.inf)
+        else:
+            answer, insertion, new, decision = self._avoided(own, wind, sightings, major)
         if new is not None:
-            holds = insertion is None or settings.rejoin.when == "clear"
+            holds = insertion is None or self._settings.rejoin.when == "clear"
             memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf)
         self.slowest_s = max(self.slowest_s, perf_counter() - began)
-        passing = miss_along(path, s_m, norm(add(own.vel_mps, wind)), time_s, [sighting.track for sighting in threats])
-        return memory, new, make_event(time_s, decision, kind, own, major, answer, insertion, new, wind, passing)
+        event = make_event(time_s, decision, kind, own, major, answer, insertion, new, wind, passing, status=Decision.STEERED)
+        if memory.law is not None:
+            return self._steer(memory, time_s, state, [sighting.seen for sighting in sightings], s_m)._replace(event=event)
+        return Step(memory, new, event)
+
+    def _avoided(
+        self, own: Own, wind: Vec3, sightings: Sequence[Sighting], major: Sighting
+    ) -> tuple[Avoidance, Insertion | None, ActivePath | None, Decision]:
+        """The method's answer, the insertion point, the path through it, and what was decided."""
+        settings, (kind, method, options) = self._settings, self._context.method
+        answer = avoid(method, own, [sighting.obstacle for sighting in sightings], **options)
+        if kind == "none" or answer.status not in (Status.AVOIDED, Status.UNSAFE):
+            return answer, None, None, Decision.NONE if kind == "none" else Decision(answer.status)
+        direct = settings.answer == "direct"
+        insertion = None if direct else insertion_point(own, major.obstacle, settings.k, settings.time_rule)
+        new = self._path(own, answer, insertion, wind) if direct or insertion else None
+        decision = Decision.REPLANNED if new else Decision.NO_PATH if direct or insertion else Decision.NO_INSERTION_POINT
+        return answer, insertion, new, decision
 
     def _path(self, own: Own, answer: Avoidance, insertion: Insertion | None, wind: Vec3) -> ActivePath | None:
         """PH from the present state to the insertion point with the avoidance direction there, and on; or that direction at once."""
-        settings = self._plan.replan
+        settings = self._settings
         command = add(vec3(answer.velocity_mps), wind)
         try:
             if insertion is None:
@@ -138,27 +148,33 @@ class Planner:
         except (ValueError, ZeroDivisionError):  # coincident points; a command that stands still over the ground
             return None
 
-    def _back(
-        self, memory: Memory, time_s: float, state: State, known: list[Track]
-    ) -> tuple[Memory, ActivePath | None, ReplanEvent | None]:
-        """The way back, once the flight is clear."""
+    def _steered(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
+        """The way back, once the flight is clear; until then what the law says."""
+        back = self._back(memory, time_s, state, seen)
+        return self._steer(memory, time_s, state, seen, s_m) if back.path is None else back
+
+    def _steer(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
+        """The path for one step."""
+        assert self._law is not None
+        assert memory.law is not None
+        answer = self._law.steer(memory.law[0], time_s, state, seen)
+        if not (isinstance(answer, tuple) and len(answer) == 2):
+            raise ValueError(f"a law must return (memory, Steer), not {answer!r}")
+        return Step(memory._replace(law=answer[:1]), arc(answer[1], state, s_m))
+
+    def _back(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen]) -> Step:
+        """The way back, once the flight is clear of what was answered and of what is in sight."""
+        in_sight = {one.name for one in seen}
+        known = [one for name, one in memory.known.items() if name in memory.handled or name in in_sight]
         path = self._rejoin.when_clear(time_s, state, known)
         if path is None:
-            return memory, None, None
+            return Step(memory)
         own, wind = self._own(time_s, state)
-        nearest = min(known, key=lambda track: math.dist(own.pos_m, track.at(time_s)) - track.radius)
-        sighting = Sighting.of(nearest, nearest.at(time_s), own, wind, self._plan.replan)
+        nearest = min(known, key=lambda one: math.dist(own.pos_m, one.at(time_s)) - one.radius_m)
+        sighting = Sighting.of(nearest, time_s, own, wind, self._settings)
         passing = miss_along(path, 0.0, norm((state.vx, state.vy, state.vz)), time_s, known)
-        event = make_event(time_s, "rejoined", self._plan.method.kind, own, sighting, None, None, path, wind, passing)
-        return memory._replace(hold_from_s_m=math.inf), path, event
-
-
-def _wind_error(plan: FlightPlan) -> Vec3:
-    """Of an estimated wind: horizontal, the same for the whole flight and for every method, plant and aircraft of the seed."""
-    if plan.replan.wind_known != "estimated":
-        return STILL
-    east, north = plan.replan.wind_estimate_sigma_mps * stream(plan.seed, plan.replicate, "wind_estimate").normal(size=2)
-    return float(east), float(north), 0.0
+        event = make_event(time_s, Decision.REJOINED, self._context.method.kind, own, sighting, None, None, path, wind, passing)
+        return Step(memory._replace(hold_from_s_m=math.inf, law=None), path, event)
 
 
 def time_of_collision(own: Own, sighting: Sighting) -> float:

@@ -14,6 +14,7 @@ each of them to, a function that takes it off the aircraft's rate, and that func
 """
 
 import re
+import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
@@ -80,8 +81,8 @@ def read_model(file: Path, air_turns: bool = False) -> ModelFile:
 def changed_root(file: Path, factors: Mapping[str, float], air_turns: bool = False) -> Iterator[Path]:
     """A folder of aircraft in which JSBSim finds ``<root>/<name>/<name>.xml`` with those factors, until the end of the block.
 
-    Everything else of the aircraft's folder (engines, systems, what is included) is there by links. Without factors, and in air that
-    does not turn, it is the folder where the file is.
+    Everything else of the aircraft's folder (engines, systems, what is included) is there by links, or as copies where links are not
+    allowed. Without factors, and in air that does not turn, it is the folder where the file is.
     """
     if not factors and not air_turns:
         yield file.parent.parent
@@ -91,9 +92,17 @@ def changed_root(file: Path, factors: Mapping[str, float], air_turns: bool = Fal
         folder.mkdir()
         for beside in file.parent.resolve().iterdir():
             if beside.name != file.name:
-                (folder / beside.name).symlink_to(beside)
+                _put_beside(folder / beside.name, beside)
         (folder / file.name).write_text(read_model(file, air_turns).changed(factors), encoding="utf-8")
         yield Path(root)
+
+
+def _put_beside(place: Path, original: Path) -> None:
+    try:
+        place.symlink_to(original)
+    except OSError:  # Windows lets few users make links
+        copy = shutil.copytree if original.is_dir() else shutil.copyfile
+        copy(original, place)
 
 
 @lru_cache(maxsize=32)

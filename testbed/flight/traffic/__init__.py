@@ -1,3 +1,7 @@
 """The obstacles as they truly are. A kind of track is a file here and a line in ``TRACKS``."""
 
-TRACKS = {"straight": "testbed.flight.traffic.track:Track"}
+from testbed.flight.traffic.track import Body, Sampled, Track, TrackSetting, Traffic
+
+__all__ = ["TRACKS", "Body", "Sampled", "Track", "TrackSetting", "Traffic"]
+
+TRACKS = {"straight": "testbed.flight.traffic.straight:make_track"}

@@ -9,6 +9,7 @@ from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import vec3
 from testbed.flight.air import CALM, Wind
+from testbed.flight.traffic.straight import shifted
 from testbed.flight.traffic.track import Track
 
 Array = np.ndarray
@@ -84,11 +85,16 @@ class Schedule:
         return points[0], ground_speeds(self._route, s, self._plan, self._wind)[0] * tangents[0]
 
     def closest_time(self, track: Track) -> float:
-        """When the point is nearest to an obstacle's centre: the vertex of the parabola through the three nearest samples."""
-        relative = np.asarray(track.pos) + np.outer(self.time_s, track.vel) - self.points()
+        """When the point is nearest to an obstacle's centre: the vertex of the parabola through the three nearest samples.
+
+        ``ValueError`` when the obstacle is never there.
+        """
+        relative = track.sampled(self.time_s)[0] - self.points()
         square = np.einsum("ij,ij->i", relative, relative)
-        k = int(np.argmin(square))
-        if k in (0, FINE):
+        if np.isnan(square).all():
+            raise ValueError(f"obstacle {track.name} is not there while the route is flown: it has no encounter to be anchored")
+        k = int(np.nanargmin(square))
+        if k in (0, FINE) or not np.isfinite(square[k - 1 : k + 2]).all():
             return float(self.time_s[k])
         a, b, c = np.polyfit(self.time_s[k - 1 : k + 2] - self.time_s[k], square[k - 1 : k + 2] - square[k], 2)
         return float(self.time_s[k] - b / (2.0 * a)) if a > 0.0 and np.isfinite(c) else float(self.time_s[k])
@@ -103,6 +109,6 @@ def anchored(track: Track, in_calm: Schedule, in_wind: Schedule) -> Track:
     """
     time = in_calm.closest_time(track)
     (own, own_vel), (there, vel_there) = in_calm.at(time), in_wind.at(time)
-    velocity = np.asarray(track.vel) - own_vel + vel_there
-    position = np.asarray(track.at(time)) - own + there
-    return Track(track.name, track.radius, vec3(position - time * velocity), vec3(velocity))
+    if (met := track.at(time)) is None:
+        raise ValueError(f"obstacle {track.name} comes or goes at its closest approach: it has no encounter to be anchored")
+    return shifted(track, time, np.asarray(met[0]) - own + there, np.asarray(met[1]) - own_vel + vel_there)

@@ -1,26 +1,106 @@
-"""The obstacles: spheres on straight lines, and how close a flight came to them."""
+"""The obstacles as they truly are: spheres on tracks of any kind, and how close a flight came to them."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from testbed.core.frames import Vec3
+from testbed.core.frames import Vec3, vec3
 
 Array = np.ndarray
 
 
-class Track(NamedTuple):
-    """An obstacle: a sphere that moves in a straight line. ``pos`` is where its centre is at time 0 (ENU m, m/s)."""
+class Body(NamedTuple):
+    """A sphere at an instant: where its centre is (ENU m) and how it moves (m/s over the ground), or where somebody takes it to be."""
 
     name: str
-    radius: float
+    radius_m: float
     pos: Vec3
     vel: Vec3
+    time_s: float
 
     def at(self, time_s: float) -> Vec3:
-        """Centre at a time."""
-        (x, y, z), (vx, vy, vz) = self.pos, self.vel
-        return x + vx * time_s, y + vy * time_s, z + vz * time_s
+        """Where the centre is at another time if it goes straight on."""
+        (x, y, z), (vx, vy, vz), elapsed = self.pos, self.vel, time_s - self.time_s
+        return x + vx * elapsed, y + vy * elapsed, z + vz * elapsed
+
+
+class Track(Protocol):
+    """An obstacle's motion: the same for every flight of a plan, whatever the aircraft does."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def radius_m(self) -> float: ...
+
+    def at(self, time_s: float) -> tuple[Vec3, Vec3] | None:
+        """Centre (ENU m) and velocity over the ground (m/s) at a time; None while the obstacle is not there."""
+
+    def sampled(self, time_s: Array) -> tuple[Array, Array]:
+        """The same at times (n,), as arrays (n,3); rows of NaN while it is not there."""
+
+
+class TrackSetting(NamedTuple):
+    """What a track is made with: the obstacle of the campaign in numbers, in the frame that is flown."""
+
+    name: str
+    radius_m: float
+    pos: Vec3  # where the centre is at ``time_s``, ENU m
+    vel: Vec3  # its velocity over the ground then, m/s
+    time_s: float
+    random: np.random.Generator  # a stream of this obstacle's own, the same for every method, plant and aircraft
+
+
+class Traffic(NamedTuple):
+    """All obstacles of a flight."""
+
+    tracks: tuple[Track, ...]
+
+    def at(self, time_s: float) -> tuple[Body, ...]:
+        """The truth at a time: every obstacle that is there."""
+        found = ((track, track.at(time_s)) for track in self.tracks)
+        return tuple(Body(track.name, track.radius_m, *moving, time_s) for track, moving in found if moving is not None)
+
+
+class Sampled:
+    """The array form of a track that only knows where it is at one time: a base class for tracks of one's own."""
+
+    def at(self, time_s: float) -> tuple[Vec3, Vec3] | None:
+        """See ``Track``."""
+        raise NotImplementedError
+
+    def sampled(self, time_s: Array) -> tuple[Array, Array]:
+        """See ``Track``: ``at``, time by time."""
+        rows = np.full((len(time_s), 6), np.nan)
+        for row, time in zip(rows, time_s, strict=True):
+            if (moving := self.at(float(time))) is not None:
+                row[:3], row[3:] = moving
+        return rows[:, :3], rows[:, 3:]
+
+
+class Shifted(Sampled):
+    """A track moved as a whole, and carried on by a frame: at ``time_s`` it is at ``pos`` with the velocity ``vel``.
+
+    Raises ``ValueError`` when there is no obstacle at that time.
+    """
+
+    def __init__(self, track: Track, time_s: float, pos: Array, vel: Array) -> None:
+        there = track.at(time_s)
+        if there is None:
+            raise ValueError(f"obstacle {track.name} is not there at {time_s:.2f} s, when the wind is to take hold of it")
+        self.name, self.radius_m = track.name, track.radius_m
+        self._track, self._time_s = track, time_s
+        self._offset, self._carried = pos - there[0], vel - there[1]
+
+    def at(self, time_s: float) -> tuple[Vec3, Vec3] | None:
+        moving = self._track.at(time_s)
+        if moving is None:
+            return None
+        return vec3(moving[0] + self._offset + (time_s - self._time_s) * self._carried), vec3(moving[1] + self._carried)
+
+    def sampled(self, time_s: Array) -> tuple[Array, Array]:
+        pos, vel = self._track.sampled(time_s)
+        return pos + self._offset + np.outer(time_s - self._time_s, self._carried), vel + self._carried
 
 
 class Approach(NamedTuple):
@@ -34,18 +114,18 @@ def least_clearance(time_s: Array, own_pos: Array, obstacle_pos: Array, radius_m
     """Least distance to the surface over a sampled flight, between samples too.
 
     ``time_s`` (n,), positions (n,3). Both bodies are taken to move straight between samples, which makes the minimum on each
-    segment a closed form. NaN for an empty flight; samples that are not finite are passed over.
+    segment a closed form. NaN for an empty flight; samples that are not finite are passed over, and so are the segments at them.
     """
     relative = own_pos - obstacle_pos
     good = np.isfinite(relative).all(axis=1)
-    time_s, relative = time_s[good], relative[good]
-    if not len(relative):
+    joined = good[:-1] & good[1:]
+    if not good.any():
         return Approach(np.nan, np.nan)
-    step = np.diff(relative, axis=0)
+    first, step = relative[:-1][joined], np.diff(relative, axis=0)[joined]
     square = np.einsum("ij,ij->i", step, step)
-    share = np.clip(-np.einsum("ij,ij->i", relative[:-1], step) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
-    points = np.vstack([relative, relative[:-1] + share[:, None] * step])
-    times = np.concatenate([time_s, time_s[:-1] + share * np.diff(time_s)])
+    share = np.clip(-np.einsum("ij,ij->i", first, step) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+    points = np.vstack([relative[good], first + share[:, None] * step])
+    times = np.concatenate([time_s[good], time_s[:-1][joined] + share * np.diff(time_s)[joined]])
     distance = np.linalg.norm(points, axis=1)
     k = int(np.argmin(distance))
     return Approach(float(distance[k]) - radius_m, float(times[k]))

@@ -12,7 +12,7 @@ from testbed.core.frames import unit_from_direction, vec3
 from testbed.core.units import DEG
 from testbed.flight.air import ground_speed_along, make_wind
 from testbed.flight.air.gusts import shape
-from testbed.flight.record import FlightRecord
+from testbed.flight.record import Decision, FlightRecord
 from testbed.results.checks.verdict import CheckResult, Evidence, Flown, flown_by, groups, worst
 
 Array = np.ndarray
@@ -109,7 +109,7 @@ def invariance(check: WindInvariance, flights: Sequence[Flown]) -> Iterable[Chec
 def _from_a_balloon(flight: Flown) -> dict[str, Array]:
     """Numbers of the first event as a balloon sees them that left the origin with the wind at time 0; NaN if there was no new path."""
     events = flight.row["events"]
-    if not events or events[0]["decision"] != "replanned":
+    if not events or events[0]["decision"] != Decision.REPLANNED:
         return {kind: np.array([np.nan]) for kind, _ in NUMBERS}
     place = vec3(np.array(events[0]["own_pos_enu_m"]))
     return _seen(events[0], np.array(make_wind(flight.plan.air, flight.plan.terrain_z_m)(0.0, place)))

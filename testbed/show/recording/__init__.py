@@ -10,7 +10,8 @@ import numpy as np
 import rerun as rr
 import rerun_bindings
 
-from testbed.flight.record import FlightMetrics, FlightRecord
+from testbed.flight.record import FlightRecord
+from testbed.results.columns import FlightMetrics
 from testbed.show.recording import layout, scene, signals, timeline, velocity
 from testbed.show.story import summary_markdown, who
 from testbed.show.velocity_space import look

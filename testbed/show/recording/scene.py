@@ -5,11 +5,13 @@ import math
 import numpy as np
 import rerun as rr
 
-from testbed.flight.record import FlightMetrics, FlightRecord
+from testbed.flight.record import FlightRecord
+from testbed.results.columns import FlightMetrics
 from testbed.show import palette, shapes
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
-from testbed.show.story import number, path_points, piece_names, route_ends, route_size
+from testbed.show.story import path_points, piece_names, route_ends, route_size
+from testbed.show.words import number
 
 SYMBOL_SHARE = 0.04  # the aeroplane is drawn larger than life: this share of the route's size, or it could not be seen
 SCENE_HZ, TRAIL_HZ = 60.0, 20.0

@@ -4,11 +4,12 @@ import numpy as np
 import rerun as rr
 
 from testbed.core.units import DEG
-from testbed.flight.record import FlightRecord, inside
-from testbed.show import palette
+from testbed.flight.record import NEW_PATH, FlightRecord, Outcome, inside
+from testbed.flight.signals import flat
+from testbed.show import palette, words
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
-from testbed.show.story import OUTCOME_TEXT, changes, event_sentence, leg_names
+from testbed.show.story import changes, event_sentence, leg_names, who
 from testbed.show.velocity_space import Sight
 
 # Entity below "signals", column of the record, factor to the unit shown, name in the legend, colour.
@@ -54,13 +55,8 @@ def _log_curve(stream: rr.RecordingStream, entity: str, name: str, colour: str, 
 
 def _flat(record: FlightRecord, rows: np.ndarray) -> dict[str, np.ndarray]:
     """Every column of the record as scalars: vectors become ``name.x``; what is unknown throughout is left out."""
-    flat = {}
-    for name, values in record.columns.items():
-        if name == "time_s":
-            continue
-        parts = {name: values} if values.ndim == 1 else {f"{name}.{axis}": values[:, k] for k, axis in enumerate("xyzw"[: values.shape[1]])}
-        flat.update({key: part[rows].astype(np.float64) for key, part in parts.items() if not np.isnan(part[rows]).all()})
-    return flat
+    told = {name: values[rows].astype(np.float64) for name, values in flat(record.columns).items() if name != "time_s"}
+    return {name: values for name, values in told.items() if not np.isnan(values).all()}
 
 
 def _log_modes(stream: rr.RecordingStream, record: FlightRecord, rows: np.ndarray, seen: np.ndarray, sights: list[Sight]) -> None:
@@ -87,17 +83,15 @@ def _log_states(
 
 def _log_events(stream: rr.RecordingStream, record: FlightRecord) -> None:
     time_s = record.columns["time_s"]
-    outcome = record.outcome.value
-    ending = record.message or OUTCOME_TEXT.get(outcome, outcome)
-    lines = [(float(time_s[0]), "INFO", f"start: {record.plan.plant.kind}, method {record.plan.method.kind}")]
-    lines += [
-        (event.time_s, "INFO" if event.decision in ("replanned", "rejoined") else "WARN", event_sentence(event)) for event in record.events
-    ]
+    outcome = record.outcome
+    ending = record.message or words.outcome_told(outcome)
+    lines = [(float(time_s[0]), "INFO", f"start: {who(record)}, {words.method(record.plan.method.kind)}")]
+    lines += [(event.time_s, "INFO" if event.decision in NEW_PATH else "WARN", event_sentence(event)) for event in record.events]
     for spec in record.plan.obstacles:
         hit = inside(record.columns[f"obstacle.{spec.name}.clearance_m"])
         if hit.any():
             lines.append((float(time_s[int(np.argmax(hit))]), "ERROR", f"collision with {spec.name}"))
-    lines.append((float(time_s[-1]), "INFO" if outcome == "reached" else "ERROR", f"end: {ending}"))
+    lines.append((float(time_s[-1]), "INFO" if outcome == Outcome.REACHED else "ERROR", f"end: {ending}"))
     lines.sort(key=lambda line: line[0])
     texts, levels = [line[2] for line in lines], [line[1] for line in lines]
     stream.send_columns("events", [timeline.index(np.array([line[0] for line in lines]))], [*rr.TextLog.columns(text=texts, level=levels)])

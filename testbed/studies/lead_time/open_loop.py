@@ -21,7 +21,8 @@ from functools import lru_cache
 import numpy as np
 
 from testbed.campaign.words.air import Air
-from testbed.campaign.words.settings import FlightPlan, MethodSpec
+from testbed.campaign.words.planning import MethodSpec
+from testbed.campaign.words.settings import FlightPlan
 from testbed.campaign.words.study import StudySpec
 from testbed.core.units import DEG
 from testbed.flight.aircraft import Aircraft, idealised, load_aircraft

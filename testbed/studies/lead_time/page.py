@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from testbed.show.assets import asset, environment
-from testbed.show.story import number
+from testbed.show.words import number, percent
 from testbed.studies.lead_time.compare import Priced, Shares, Summary, Who, groups, insertion, limits, shares, summary, winds
 from testbed.studies.lead_time.line import Line, Searches
 from testbed.studies.lead_time.pictures import Curve, histogram, staircase
@@ -221,11 +221,11 @@ def _turbulent(key: Who, of: Shares, lines: Sequence[Line]) -> dict[str, Any]:
         "svg": share_picture(curves, of.leads_s[-1], f"Share that keeps the radius: {title}", "lead, s"),
         "legend": [(curve.name, curve.colour, curve.dashed) for curve in curves],
         "rows": [
-            (f"{lead:g}", f"{kept} of {of.n}", number(100.0 * kept / of.n, 1), number(100.0 * bound, 1))
+            (f"{lead:g}", f"{kept} of {of.n}", percent(kept / of.n), percent(bound))
             for lead, kept, bound in zip(of.leads_s, of.kept, of.bounds, strict=True)
         ],
         "reaches": [
-            (percent, _reached(estimate, of.leads_s[-1])) for percent, estimate in (("50", of.half), ("95", of.most), ("99", of.curve_99))
+            (of_them, _reached(estimate, of.leads_s[-1])) for of_them, estimate in (("50", of.half), ("95", of.most), ("99", of.curve_99))
         ],
         "shown": f"from a lead of {of.shown_from_s:g} s on" if math.isfinite(of.shown_from_s) else "at no lead: not shown",
     }

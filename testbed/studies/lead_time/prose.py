@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from testbed.show.story import number
+from testbed.show.words import named, number, percent
 from testbed.studies.lead_time.compare import Priced, Shares, Who, limits, summary, winds
 from testbed.studies.lead_time.line import Line
 
@@ -19,7 +19,7 @@ ANSWERS = {"insertion_point": "through the insertion point", "direct": "directio
 
 def rung(key: Who) -> str:
     """Which plant flies."""
-    return RUNGS.get(key.rung, key.rung.replace("_", " "))
+    return named(RUNGS, key.rung)
 
 
 def answer(name: str) -> str:
@@ -89,8 +89,8 @@ def _again(plain: Groups) -> list[str]:
     if not searched:
         return []
     again = sum(line.found.fails_again for line in searched)
-    share = number(100.0 * again / len(searched), 0)
-    return [f"More time is not always safer: in {again} of {len(searched)} searches ({share} %) a method fails at a longer lead again."]
+    share = percent(again / len(searched))
+    return [f"More time is not always safer: in {again} of {len(searched)} searches ({share}) a method fails at a longer lead again."]
 
 
 def _limits(calm: Groups) -> list[str]:

@@ -11,7 +11,7 @@ from testbed.core.units import DEG
 from testbed.flight.fly import fly
 from testbed.flight.planning.decided import Decided
 from testbed.flight.record import Outcome, inside
-from testbed.results.metrics import closest_approach
+from testbed.results.quantities import closest_approach
 from testbed.studies.lead_time.encounter import Encounter, at_lead, drawn
 from testbed.studies.lead_time.open_loop import best_lead, manoeuvres
 from testbed.studies.lead_time.options import LeadTime
@@ -79,7 +79,7 @@ def clearance_at(plan: FlightPlan, encounter: Encounter, lead_s: float) -> float
     record = fly(at_lead(plan, encounter, lead_s), Decided)
     if record.outcome in LOST or not len(record.columns["time_s"]):
         return -encounter.radius_m
-    return closest_approach(record)[0]
+    return closest_approach(record).clearance_m
 
 
 def least_lead(keeps: Callable[[float], bool], leads_s: Sequence[float], tolerance_s: float, low_s: float = 0.0) -> float:

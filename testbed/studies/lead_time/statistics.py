@@ -9,7 +9,7 @@ from scipy.special import expit
 from scipy.stats import binom
 
 from testbed.core.seeds import stream
-from testbed.studies.scoam.verdict.stats import share_at_least
+from testbed.results.statistics import share_at_least
 
 Array = np.ndarray
 CONFIDENCE = 0.95

@@ -6,6 +6,8 @@ The words are fixed. How each follows from flights is in ``docs/verdict.md``; ev
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from testbed.results.statistics import Effect, Spread
+
 HOLDS: Final = "holds"
 HOLDS_ONLY_IF: Final = "holds only if"
 FAILS_KINEMATICALLY: Final = "fails kinematically"
@@ -14,28 +16,6 @@ NOT_DETERMINED: Final = "not determined"
 WORDS: Final = (HOLDS, HOLDS_ONLY_IF, FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, NOT_DETERMINED)
 
 Word = Literal["holds", "holds only if", "fails kinematically", "fails when flown", "not determined"]
-
-
-@dataclass(frozen=True)
-class Spread:
-    """A quantity over flights: 5th percentile, median, 95th percentile, and how many flights. NaN and 0 where there is none."""
-
-    p05: float
-    median: float
-    p95: float
-    n: int
-
-
-@dataclass(frozen=True)
-class Effect:
-    """Size of an effect with its 95 % interval; ``n`` flights or pairs; what it is and its unit."""
-
-    what: str
-    unit: str
-    value: float
-    low: float
-    high: float
-    n: int
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from testbed.results import statistics as stats
 from testbed.studies.scoam.labels import DROAM
-from testbed.studies.scoam.verdict import stats
 from testbed.studies.scoam.verdict.comparisons import comparisons
 from testbed.studies.scoam.verdict.online import online
 from testbed.studies.scoam.verdict.pairs import DEFLECTION, paired

@@ -9,16 +9,16 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
 from testbed.core.catalogue import aircraft_folders
-from testbed.flight.record import FlightMetrics, FlightRecord
+from testbed.flight.record import FlightRecord
+from testbed.results.columns import FlightMetrics
+from testbed.results.statistics import Effect, Spread
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
-from testbed.studies.scoam.claim import WORDS, Claim, Control, Effect, Rank, Spread, Step, Waterfall
-from testbed.studies.scoam.page import bars, detail, pictures, prose, render, table, wording
+from testbed.studies.scoam.claim import WORDS, Claim, Control, Rank, Step, Waterfall
+from testbed.studies.scoam.page import bars, detail, pictures, prose, render, table
 from tests.show.test_page import NASTY, PROVENANCE, campaign, flight, parsed
 
 MakeRecord = Callable[..., FlightRecord]
@@ -194,16 +194,6 @@ def test_words_from_outside_stay_words(verdict: SimpleNamespace, flown: tuple[li
     page = parsed(render(verdict, *flown).html)
     assert not [tag for tag, attributes in page.tags if tag == "img" or "onerror" in attributes]
     assert [attributes.get("id") for tag, attributes in page.tags if tag == "script"] == ["verdict-data"]
-
-
-@given(st.integers(0, 100_000), st.integers(1, 100_000))
-def test_a_share_reads_0_or_100_only_where_it_is(part: int, whole: int) -> None:
-    share = min(part, whole) / whole
-    text = wording.percent(share)
-    assert (text == "0 %") == (share == 0.0)
-    assert (text == "100 %") == (share == 1.0)
-    if "be" not in text and "above" not in text:
-        assert abs(float(text.removesuffix(" %")) - 100.0 * share) <= 0.5 + 1e-9
 
 
 def test_a_bar_of_a_waterfall_is_as_long_as_its_step() -> None:

@@ -1,9 +1,6 @@
 """Rows made by hand: what each flight came to is known, so the word is too."""
 
-import math
-from dataclasses import fields
-
-from testbed.flight.record import FlightMetrics
+from testbed.results.columns import nothing_measured
 
 HARMLESS = {  # within the limits of either aircraft
     "max_bank_deg": 30.0,
@@ -21,7 +18,7 @@ RUNGS = (
 
 def row(clearance, part="calm", method="scoam", rung="kinematic", replicate=0, aircraft="gtm_t2", **more):
     """A row of a flight with that least clearance; ``more``: metrics by name, anything else is a label."""
-    metrics = {field.name: math.nan if field.type is float else field.type() for field in fields(FlightMetrics)}
+    metrics = nothing_measured()
     labels = {"part": part, "method": method, "rung": rung, "flown_by": aircraft, "encounter": "single_106"}
     labels |= {name: value for name, value in more.items() if name not in metrics}
     metrics |= HARMLESS | {"outcome": "collided" if clearance < -1e-6 else "reached", "least_clearance_m": clearance}

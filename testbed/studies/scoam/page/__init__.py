@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from testbed.show import words
 from testbed.show.answer import Row
 from testbed.show.assets import Lead, asset, environment, packed_json
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Waterfall
@@ -61,12 +62,12 @@ def _by_name(item: tuple[str, dict[str, Any]]) -> tuple[bool, str]:
 def _pictured(falls: Sequence[Waterfall]) -> list[dict[str, Any]]:
     """The waterfalls of the verdict's own encounter, one an aircraft."""
     mine = [fall for fall in falls if (fall.encounter, fall.method) == (wording.ENCOUNTER, wording.METHOD) and fall.steps]
-    return [{"title": wording.named(wording.AIRCRAFT, fall.aircraft), "svg": bars.waterfall_svg(fall)} for fall in mine]
+    return [{"title": words.named(wording.AIRCRAFT, fall.aircraft), "svg": bars.waterfall_svg(fall)} for fall in mine]
 
 
 def _rankings(verdict: "Verdict") -> list[dict[str, Any]]:
     made = []
     for rung in dict.fromkeys(rank.rung for rank in verdict.ranks):
         mine = [rank for rank in verdict.ranks if rank.rung == rung]
-        made.append({"title": wording.named(wording.RUNGS, rung), "share": bars.share_svg(mine), "clearance": bars.clearance_svg(mine)})
+        made.append({"title": words.named(wording.RUNGS, rung), "share": bars.share_svg(mine), "clearance": bars.clearance_svg(mine)})
     return made

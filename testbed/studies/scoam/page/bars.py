@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from markupsafe import Markup, escape
 
 from testbed.airframe.chart import ticks
-from testbed.show.story import number
+from testbed.show import words
+from testbed.show.words import named, number
 from testbed.studies.scoam.claim import Rank, Waterfall
-from testbed.studies.scoam.page import wording
 from testbed.studies.scoam.page.prose import signed
-from testbed.studies.scoam.page.wording import METHODS, STEPS, named
+from testbed.studies.scoam.page.wording import METHODS, STEPS
 
 WIDTH, NAMES, ROW, TOP, BOTTOM = 500, 186, 26, 6, 36  # px of the drawing; NAMES: the column of names on the left
 RIGHT = 44
@@ -41,7 +41,7 @@ def waterfall_svg(fall: Waterfall) -> Markup:
         x0, x1 = scale(step.clearance_m - step.change_m if known else 0.0), scale(step.clearance_m)
         css = "start" if not known else "lost" if step.change_m < 0.0 else "won"
         name = named(STEPS, step.rung)
-        title = f"{name}: {wording.amount(step.clearance_m, 'm')}" + (f", change {signed(step.change_m)}" if known else "")
+        title = f"{name}: {words.amount(step.clearance_m, 'm')}" + (f", change {signed(step.change_m)}" if known else "")
         parts.append(_name(y, name))
         parts.append(
             f'<g class="{css}"><title>{escape(title)}</title><rect x="{min(x0, x1):.1f}" y="{y + 5}" width="{max(abs(x1 - x0), 1.5):.1f}" '

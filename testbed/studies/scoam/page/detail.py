@@ -5,12 +5,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from testbed.flight.record import inside
-from testbed.show.story import number
-from testbed.studies.scoam.claim import Control, Rank, Spread, Waterfall
+from testbed.results.statistics import Spread
+from testbed.show import words
+from testbed.show.words import DASH, named, number
+from testbed.studies.scoam.claim import Control, Rank, Waterfall
 from testbed.studies.scoam.labels import Design, Method, Part, Rung
 from testbed.studies.scoam.page import wording
 from testbed.studies.scoam.page.prose import p_value
-from testbed.studies.scoam.page.wording import AIRCRAFT, DASH, IN_AIR, LIMITS, METHODS, READINGS, RUNGS, named
+from testbed.studies.scoam.page.wording import AIRCRAFT, IN_AIR, LIMITS, METHODS, READINGS, RUNGS
 
 if TYPE_CHECKING:
     from testbed.studies.scoam.verdict.model import AirCell, Case
@@ -59,7 +61,7 @@ def _rank(rank: Rank) -> dict[str, Any]:
     versus, own = rank.versus_scoam, rank.method == Method.SCOAM
     cells = [
         (f"{rank.n}", "", float(rank.n)),
-        (wording.percent(share), wording.interval(rank.safe_low, rank.safe_high, "share"), share),
+        (words.percent(share), words.interval(rank.safe_low, rank.safe_high, "share"), share),
         *(
             (*_three(told, unit), told.median)
             for told, unit in (
@@ -72,7 +74,7 @@ def _rank(rank: Rank) -> dict[str, Any]:
         ),
         (DASH, "", math.nan)
         if own
-        else (wording.amount(versus.value, versus.unit), wording.interval(versus.low, versus.high, versus.unit), versus.value),
+        else (words.amount(versus.value, versus.unit), words.interval(versus.low, versus.high, versus.unit), versus.value),
         (DASH, "", math.nan) if own else (p_value(rank.mcnemar_p), "", rank.mcnemar_p),
     ]
     return {
@@ -90,8 +92,8 @@ def _three(told: Spread, unit: str) -> tuple[str, str]:
     """Median, and 5th to 95th percentile."""
     if not told.n:
         return DASH, ""
-    digits = wording.DIGITS.get(unit, 2)
-    return number(told.median, digits), wording.interval(told.p05, told.p95, "", digits)
+    digits = words.DIGITS.get(unit, 2)
+    return number(told.median, digits), words.interval(told.p05, told.p95, "", digits)
 
 
 def air_tables(cells: "Sequence[AirCell]") -> list[dict[str, Any]]:
@@ -129,7 +131,7 @@ def _air_cell(cell: "AirCell | None") -> dict[str, str]:
         return {"text": DASH, "note": "", "sort": ""}
     if not cell.threats:
         return {"text": DASH, "note": f"no threat in {cell.flights} flights", "sort": ""}
-    notes = [f"{wording.interval(cell.low, cell.high, 'share')}; median {wording.amount(cell.clearance.median, 'm')}"]
+    notes = [f"{words.interval(cell.low, cell.high, 'share')}; median {words.amount(cell.clearance.median, 'm')}"]
     notes += [f"a threat in {cell.threats} of {cell.flights}"] if cell.threats < cell.flights else []
     notes += [f"{cell.fail_on_rails} fail kinematically"] if cell.fail_on_rails else []
     return {"text": f"{cell.kept} of {cell.threats}", "note": "; ".join(notes), "sort": sortable(cell.kept / cell.threats)}
@@ -181,7 +183,7 @@ def case_table(cases: "Sequence[Case]") -> dict[str, Any]:
             {
                 "place": [named(READINGS, c.encounter), named(AIRCRAFT, c.aircraft), named(RUNGS, c.rung), named(METHODS, c.method)],
                 "cells": [
-                    {"text": number(x, wording.DIGITS.get(unit, 2)), "sort": sortable(x), "bad": key == "clearance_m" and bool(inside(x))}
+                    {"text": number(x, words.DIGITS.get(unit, 2)), "sort": sortable(x), "bad": key == "clearance_m" and bool(inside(x))}
                     for key, _, unit in CASE_COLUMNS
                     for x in (getattr(c, key),)
                 ],

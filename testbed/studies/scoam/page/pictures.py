@@ -6,12 +6,12 @@ from typing import Any
 
 from testbed.core.catalogue import aircraft_folders
 from testbed.flight.aircraft import load_aircraft
+from testbed.results.rows import collided, value
 from testbed.show import palette
 from testbed.show.answer import Row
-from testbed.show.columns import collided, value
-from testbed.show.story import number
+from testbed.show.words import named, number
 from testbed.studies.scoam.labels import Axis, Compass, Design, Part, Rung, Severity
-from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, METHOD, named
+from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, METHOD
 
 CURVES = ("time_s", "x", "y", "z", "clearance_m", "bank_deg", "load_factor", "roll_rate_dps", "paths", "obstacles", "decisions")
 
@@ -33,7 +33,7 @@ def _calm(key: str, name: str, light: str, dark: str, dash: str) -> Shown:
 
 
 def _wind(where: str, words: str, light: str, dark: str, dash: str) -> Shown:
-    air = {Axis.DESIGN: Design.ANCHORED, Axis.WIND_MPS: "10", Axis.WIND_FROM: where}
+    air: dict[str, str] = {Axis.DESIGN: Design.ANCHORED, Axis.WIND_MPS: "10", Axis.WIND_FROM: where}
     labels: dict[str, str] = {Axis.PART: Part.WIND, Axis.RUNG: Rung.JSBSIM, **air}
     return Shown(f"wind_{where}", f"flown, wind 10 m/s from {words}", labels, light, dark, dash)
 

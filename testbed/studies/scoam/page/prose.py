@@ -5,7 +5,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from testbed.show.answer import counted
+from testbed.show import words
+from testbed.show.words import capital, counted, listed, named, sentence
 from testbed.studies.scoam.claim import (
     FAILS_KINEMATICALLY,
     FAILS_WHEN_FLOWN,
@@ -20,7 +21,7 @@ from testbed.studies.scoam.claim import (
 from testbed.studies.scoam.labels import Method, Part, Rung
 from testbed.studies.scoam.page import wording
 from testbed.studies.scoam.page.table import DEPENDS, Block, blocks
-from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, LIMITS, METHOD, METHODS, READINGS, RUNGS, listed, named, sentence
+from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, LIMITS, METHOD, METHODS, READINGS, RUNGS
 
 if TYPE_CHECKING:
     from testbed.studies.scoam.verdict.model import Verdict
@@ -91,20 +92,16 @@ def _claim(block: Block) -> list[str]:
         if claim.paper:
             before += f"\N{LEFT DOUBLE QUOTATION MARK}{claim.paper}\N{RIGHT DOUBLE QUOTATION MARK}: "
         condition = wording.typeset(claim.condition or "a condition that is not named").rstrip(".")
-        said.append(_capital(before) + sentence(PHRASES[claim.word].format(condition=condition)))
-        said += [wording.typeset(text) for text in (claim.why, _capital(wording.effect(claim.effect))) if text]
+        said.append(capital(before) + sentence(PHRASES[claim.word].format(condition=condition)))
+        said += [wording.typeset(text) for text in (claim.why, capital(wording.effect(claim.effect))) if text]
         if claim.deciding_limit:
             said.append(f"What decides it: {sentence(claim.deciding_limit)}")
         if claim.robustness_n and math.isfinite(claim.robustness_share):
             said.append(
                 f"Of {counted(claim.robustness_n, 'draw')} of the inputs and parameters that the paper leaves open, "
-                f"{wording.percent(claim.robustness_share)} {'gives' if claim.robustness_n == 1 else 'give'} the same word."
+                f"{words.percent(claim.robustness_share)} {'gives' if claim.robustness_n == 1 else 'give'} the same word."
             )
     return said
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _numbers(made: Sequence[Block]) -> list[str]:
@@ -122,16 +119,16 @@ def _numbers(made: Sequence[Block]) -> list[str]:
 
 def _printed(claim: Claim) -> str:
     """Printed and recomputed."""
-    digits = max(wording.decimals(claim.paper), wording.DIGITS.get(claim.unit, 2))
-    return f"printed {claim.paper}, kinematic {wording.amount(claim.kinematic, claim.unit, digits)}"
+    digits = max(wording.decimals(claim.paper), words.DIGITS.get(claim.unit, 2))
+    return f"printed {claim.paper}, kinematic {words.amount(claim.kinematic, claim.unit, digits)}"
 
 
 def _waterfall(fall: Waterfall) -> str:
-    parts = [f"{wording.amount(step.clearance_m, 'm')} {WAYS[step.rung]}" for step in fall.steps if step.rung in WAYS]
+    parts = [f"{words.amount(step.clearance_m, 'm')} {WAYS[step.rung]}" for step in fall.steps if step.rung in WAYS]
     who = f"{named(READINGS, fall.encounter)}, {named(METHODS, fall.method)}, {named(AIRCRAFT, fall.aircraft)}"
     said = f"{who}: the least clearance is {listed(parts)}."
-    alone = [f"{named(LIMITS, limit)} {wording.amount(cost, 'm')}" for limit, cost in sorted(fall.alone_m.items()) if math.isfinite(cost)]
-    last = [f"{named(LIMITS, limit)} {wording.amount(gain, 'm')}" for limit, gain in sorted(fall.last_m.items()) if math.isfinite(gain)]
+    alone = [f"{named(LIMITS, limit)} {words.amount(cost, 'm')}" for limit, cost in sorted(fall.alone_m.items()) if math.isfinite(cost)]
+    last = [f"{named(LIMITS, limit)} {words.amount(gain, 'm')}" for limit, gain in sorted(fall.last_m.items()) if math.isfinite(gain)]
     if alone:
         said += f" Each limit of the point mass alone costs: {listed(alone)}."
     if last:
@@ -141,7 +138,7 @@ def _waterfall(fall: Waterfall) -> str:
 
 def signed(metres: float) -> str:
     """A change in metres, always with its sign."""
-    text = wording.amount(metres, "m")
+    text = words.amount(metres, "m")
     return f"+{text}" if math.isfinite(metres) and not text.startswith("\N{MINUS SIGN}") else text
 
 
@@ -153,8 +150,8 @@ def _ranking(ranks: Sequence[Rank]) -> list[str]:
             continue
         best_first = sorted(mine, key=lambda rank: (-rank.safe / rank.n, rank.method))
         shares = [
-            f"{named(METHODS, rank.method)} in {wording.percent(rank.safe / rank.n)} "
-            f"({wording.interval(rank.safe_low, rank.safe_high, 'share')})"
+            f"{named(METHODS, rank.method)} in {words.percent(rank.safe / rank.n)} "
+            f"({words.interval(rank.safe_low, rank.safe_high, 'share')})"
             for rank in best_first
         ]
         total = listed(sorted({str(rank.n) for rank in mine}, key=int))
@@ -172,14 +169,14 @@ def _ranking(ranks: Sequence[Rank]) -> list[str]:
 def _duel(rank: Rank) -> str:
     """``DROAM/HP 0.4 m (0.1 to 0.9 m; McNemar's p < 0.001)``."""
     told = rank.versus_scoam
-    known = [wording.interval(told.low, told.high, told.unit)] if math.isfinite(told.low) and math.isfinite(told.high) else []
+    known = [words.interval(told.low, told.high, told.unit)] if math.isfinite(told.low) and math.isfinite(told.high) else []
     known += [f"share that keeps the radius: McNemar's {p_value(rank.mcnemar_p)}"] if math.isfinite(rank.mcnemar_p) else []
-    return f"{named(METHODS, rank.method)} {wording.amount(told.value, told.unit)}" + (f" ({'; '.join(known)})" if known else "")
+    return f"{named(METHODS, rank.method)} {words.amount(told.value, told.unit)}" + (f" ({'; '.join(known)})" if known else "")
 
 
 def p_value(p: float) -> str:
     """``p = 0.03``, ``p < 0.001``."""
-    return wording.DASH if not math.isfinite(p) else "p < 0.001" if p < 0.001 else f"p = {p:.2g}"
+    return words.DASH if not math.isfinite(p) else "p < 0.001" if p < 0.001 else f"p = {p:.2g}"
 
 
 def _controls(verdict: "Verdict") -> list[str]:
@@ -190,7 +187,7 @@ def _controls(verdict: "Verdict") -> list[str]:
         said.append(f"Of {counted(len(flown), 'control')}, {len(flown) - len(missed)} came out as expected in every flight.")
         for control in missed:
             count = f"{control.met} of {counted(control.n, 'flight')}"
-            said.append(sentence(f"{_capital(control.name)} (expected: {control.expected}) came out so in {count}"))
+            said.append(sentence(f"{capital(control.name)} (expected: {control.expected}) came out so in {count}"))
     flights, silent, marginal = (sum(getattr(part, name) for part in verdict.counted) for name in ("flights", "silent", "marginal"))
     if flights:
         said.append(

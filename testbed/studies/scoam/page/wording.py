@@ -4,20 +4,17 @@ import math
 import re
 from collections.abc import Mapping
 
-from testbed.show.story import number
-from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Effect, Spread
+from testbed.results.statistics import Effect, Spread
+from testbed.show import words
+from testbed.show.words import DASH, amount, interval, percent, sentence
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED
 from testbed.studies.scoam.labels import Encounter, Method, Part, Rung
 
-METHODS: Mapping[str, str] = {
-    Method.NONE: "no avoidance",
-    Method.SCOAM: "SCOAM",
-    Method.DROAM_HP: "DROAM/HP",
-    Method.DROAM_VP: "DROAM/VP",
+METHODS: Mapping[str, str] = words.METHODS | {
     Method.DROAM_HP_LEFT: "DROAM/HP, left",
     Method.DROAM_HP_RIGHT: "DROAM/HP, right",
     Method.DROAM_VP_UP: "DROAM/VP, up",
     Method.DROAM_VP_DOWN: "DROAM/VP, down",
-    Method.LEAST_DEFLECTION: "least deflection",
 }
 READINGS: Mapping[str, str] = {
     Encounter.SINGLE_AS_PRINTED: "Table 1 as printed",
@@ -67,16 +64,9 @@ WORD_CLASS = {
     FAILS_WHEN_FLOWN: "fails-flown",
     NOT_DETERMINED: "not-determined",
 }
-DIGITS = {"m": 1, "deg": 1, "s": 2, "deg/s": 0, "%": 0, "ms": 1}
 ENCOUNTER, METHOD = Encounter.SINGLE_106, Method.SCOAM
 """Section 5.1 in the reading that makes its obstacle a threat: what the pictures show."""
-DASH = "\N{EN DASH}"
 MINUS = re.compile(r"(?<![\w.)])-(?=[\d.])")  # of a number, not a hyphen
-
-
-def named(names: Mapping[str, str], key: str) -> str:
-    """The reader's name of something; one that is not known is shown without underscores."""
-    return names.get(key, key.replace("_", " "))
 
 
 def typeset(text: str) -> str:
@@ -89,34 +79,6 @@ def typeset(text: str) -> str:
 def decimals(printed: str) -> int:
     """Decimals of a number as the paper prints it; 0 for words."""
     return len(printed.partition(".")[2]) if printed.replace(".", "", 1).lstrip("-").isdigit() else 0
-
-
-def amount(value: float, unit: str, digits: int | None = None) -> str:
-    """A number with its unit; a share as per cent. A dash for what does not exist."""
-    if not math.isfinite(value):
-        return DASH
-    if unit == "share":
-        return percent(value)
-    return number(value, DIGITS.get(unit, 2) if digits is None else digits, unit)
-
-
-def interval(low: float, high: float, unit: str, digits: int | None = None) -> str:
-    """``2.1 to 3.4 m``."""
-    if not (math.isfinite(low) and math.isfinite(high)):
-        return DASH
-    if unit == "share":
-        return f"{percent(low).removesuffix(' %')} to {percent(high)}"
-    return f"{amount(low, unit, digits).removesuffix(unit).rstrip()} to {amount(high, unit, digits)}"
-
-
-def percent(share: float) -> str:
-    """A share; one that is not whole never reads 0 or 100."""
-    if not math.isfinite(share):
-        return DASH
-    if 0.0 < share < 0.0005 or 0.9995 < share < 1.0:
-        return "below 0.1 %" if share < 0.5 else "above 99.9 %"
-    digits = 1 if 0.0 < share < 0.005 or 0.995 < share < 1.0 else 0
-    return number(100.0 * share, digits, "%")
 
 
 def spread(told: Spread, unit: str, digits: int | None = None) -> str:
@@ -137,13 +99,3 @@ def effect(told: Effect) -> str:
 def robustness(share: float, n: int) -> str:
     """Share of the draws that give the same word."""
     return f"{percent(share)} of {n}" if n and math.isfinite(share) else DASH
-
-
-def listed(parts: list[str]) -> str:
-    """``a, b and c``."""
-    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}" if parts else ""
-
-
-def sentence(text: str) -> str:
-    """With a full stop, and only one."""
-    return text if not text or text.endswith((".", "?", "!")) else f"{text}."

@@ -5,10 +5,10 @@ from typing import Final
 
 import numpy as np
 
+from testbed.results.statistics import NAN
 from testbed.studies.scoam.claim import Step, Waterfall
 from testbed.studies.scoam.labels import SIDES, Axis, Design, Part, Rung
 from testbed.studies.scoam.verdict.select import Flights, Row, clearance
-from testbed.studies.scoam.verdict.stats import NAN
 
 LIMITS: Final = {
     "roll": (Rung.POINT_ROLL, Rung.POINT_NO_ROLL),

@@ -5,13 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from testbed.results.statistics import LEAST_PAIRS, NAN, finite, spread
+from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim, Word
 from testbed.studies.scoam.labels import DROAM, MAIN, MULTI, SINGLE, Design, Method, Part, Rung
 from testbed.studies.scoam.verdict import draws
 from testbed.studies.scoam.verdict.pairs import CLEAR, DEFLECTION, EVERY, LENGTH, TIME, Measure, Pairs, gain, paired
-from testbed.studies.scoam.verdict.saying import interval, listed, percent, reading, say
+from testbed.studies.scoam.verdict.saying import interval, percent, reading, say
 from testbed.studies.scoam.verdict.select import Flights
-from testbed.studies.scoam.verdict.stats import LEAST_PAIRS, NAN, finite, spread
 from testbed.studies.scoam.verdict.words import Agreement, Ruling, agreement, comparison, robust, side
 
 DRAWN: Final = SINGLE[0]

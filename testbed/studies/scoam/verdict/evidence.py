@@ -4,13 +4,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from testbed.studies.scoam.claim import Effect
+from testbed.results.statistics import Effect, share
+from testbed.show.words import listed
 from testbed.studies.scoam.labels import DRAWN, MAIN, Axis, Design, Method, Part, Rung, Severity
 from testbed.studies.scoam.verdict.ablation import in_turbulence, in_wind
 from testbed.studies.scoam.verdict.draws import Test, method_words
-from testbed.studies.scoam.verdict.saying import listed, reading
+from testbed.studies.scoam.verdict.saying import reading
 from testbed.studies.scoam.verdict.select import Flights, Row, label, marginal
-from testbed.studies.scoam.verdict.stats import share
 from testbed.studies.scoam.verdict.words import Agreement, PromiseEvidence, Ruling, agreement, promise, robust
 
 SEVERITIES: Final = tuple(Severity)

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from testbed.studies.scoam.claim import Claim, Control, Rank, Spread, Waterfall
+from testbed.results.statistics import Spread
+from testbed.studies.scoam.claim import Claim, Control, Rank, Waterfall
 
 
 @dataclass(frozen=True)

@@ -6,26 +6,17 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final
 
+from testbed.results.statistics import NAN, Effect, Spread, spread
+from testbed.show.words import listed
 from testbed.studies.scoam.audit.audit import AuditRow, audit
 from testbed.studies.scoam.audit.printed import PRINTED
 from testbed.studies.scoam.audit.readings import UNPRINTED, UNREAD
-from testbed.studies.scoam.claim import (
-    FAILS_KINEMATICALLY,
-    FAILS_WHEN_FLOWN,
-    HOLDS,
-    HOLDS_ONLY_IF,
-    NOT_DETERMINED,
-    Claim,
-    Effect,
-    Spread,
-    Word,
-)
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim, Word
 from testbed.studies.scoam.labels import DRAWN, MAIN, SIDES, Axis, Encounter, Method, Part, Rung
 from testbed.studies.scoam.verdict import draws
 from testbed.studies.scoam.verdict.ablation import in_turbulence, in_wind, lesser_side
-from testbed.studies.scoam.verdict.saying import METHOD, listed, percent, reading, say
+from testbed.studies.scoam.verdict.saying import METHOD, percent, reading, say
 from testbed.studies.scoam.verdict.select import Flights, Row, number
-from testbed.studies.scoam.verdict.stats import NAN, spread
 from testbed.studies.scoam.verdict.words import AS_TAKEN, SHARE, Agreement, agreement
 
 READINGS: Final[Mapping[str, Mapping[str, str]]] = {

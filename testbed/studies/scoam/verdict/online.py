@@ -3,11 +3,11 @@
 import math
 from typing import Final
 
+from testbed.results.statistics import NAN, NO_EFFECT, NO_SPREAD
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
 from testbed.studies.scoam.labels import Axis, Method
 from testbed.studies.scoam.verdict.saying import say
 from testbed.studies.scoam.verdict.select import Flights, label, number
-from testbed.studies.scoam.verdict.stats import NAN, NO_EFFECT, NO_SPREAD
 from testbed.studies.scoam.verdict.words import Ruling
 
 TICK_MS: Final = 1000.0 / 60.0

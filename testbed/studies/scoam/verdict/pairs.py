@@ -4,10 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from testbed.studies.scoam.claim import Effect
+from testbed.results.statistics import NAN, Effect, finite, median, share
 from testbed.studies.scoam.labels import DROAM, SIDES, Axis, Method, Rung
 from testbed.studies.scoam.verdict.select import Flights, Row, air_of, label, number
-from testbed.studies.scoam.verdict.stats import NAN, finite, median, share
 
 EVERY: Final = (*DROAM, Method.LEAST_DEFLECTION)
 

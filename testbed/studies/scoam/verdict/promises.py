@@ -4,14 +4,15 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+from testbed.results.statistics import finite, spread
+from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
 from testbed.studies.scoam.labels import DROAM, MAIN, MULTI, SIDES, SINGLE, Axis, Design, Method, Part, Rung
 from testbed.studies.scoam.verdict.ablation import costs, in_turbulence, in_wind, kinematic_cause, most_costly, waterfall
 from testbed.studies.scoam.verdict.evidence import Found, Promise, gather
 from testbed.studies.scoam.verdict.reach import Demand, Reach, demand, limits_of, pose
-from testbed.studies.scoam.verdict.saying import METHOD, listed, reading, say
+from testbed.studies.scoam.verdict.saying import METHOD, reading, say
 from testbed.studies.scoam.verdict.select import Flights, Row, clearance, keeps, label, number
-from testbed.studies.scoam.verdict.stats import finite, spread
 
 Figure = Callable[[Row | None], float]
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Any, Protocol
 
 from testbed.flight.aircraft import Limits, load_aircraft
-from testbed.flight.record import ReplanEvent
+from testbed.flight.record import Decision, ReplanEvent
 from testbed.studies.scoam.verdict.select import Row, number
 
 
@@ -79,7 +79,7 @@ def pose(row: Row | None, reach: Reach | None) -> Pose | None:
     limits = None if row is None else limits_of(str(row.get("aircraft")))
     if row is None or reach is None or limits is None:
         return None
-    event: dict[str, Any] | None = next((e for e in row.get("events", ()) if e["decision"] == "replanned"), None)
+    event: dict[str, Any] | None = next((e for e in row.get("events", ()) if e["decision"] == Decision.REPLANNED), None)
     if event is None:
         return None
     known = {field.name for field in fields(ReplanEvent)}

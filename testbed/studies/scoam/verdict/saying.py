@@ -1,13 +1,16 @@
-"""Figures and lists as a sentence writes them."""
+"""Figures as a sentence of ``verdict.csv`` writes them, and the names of what they are of."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Final
 
-from testbed.studies.scoam.claim import Effect
+from testbed.results.statistics import Effect
+from testbed.show import words
 from testbed.studies.scoam.labels import Encounter, Method, Rung
 
-PLACES: Final = {"m": 1, "deg": 2, "s": 2, "g": 1, "": 2, "deg/s": 0, "ms": 2, "times the limit": 2}
+PLACES: Final = words.DIGITS | {"deg": 2, "ms": 2}
+"""Decimals in a sentence, which compares what differs little."""
+NONE: Final = "none"
 
 READING: Final[Mapping[str, str]] = {
     Encounter.SINGLE_AS_PRINTED: "Table 1 as printed",
@@ -17,10 +20,7 @@ READING: Final[Mapping[str, str]] = {
     Encounter.MULTI_O2_UP: "O_2 climbing at +15.4 deg",
 }
 
-METHOD: Final[Mapping[str, str]] = {
-    Method.SCOAM: "SCOAM",
-    Method.DROAM_HP: "DROAM/HP",
-    Method.DROAM_VP: "DROAM/VP",
+METHOD: Final[Mapping[str, str]] = words.METHODS | {
     Method.LEAST_DEFLECTION: "least deflection",
     Method.DROAM_HP_LEFT: "DROAM/HP left",
     Method.DROAM_HP_RIGHT: "DROAM/HP right",
@@ -31,33 +31,25 @@ RUNG: Final[Mapping[str, str]] = {Rung.KINEMATIC: "on rails", Rung.JSBSIM: "flow
 
 
 def say(value: float, unit: str = "") -> str:
-    """``-3.8 m``; ``none`` for what does not exist. No negative zero."""
-    if not math.isfinite(value):
-        return "none"
-    text = f"{round(value, PLACES.get(unit, 2)) + 0.0:.{PLACES.get(unit, 2)}f}"
-    return f"{text} {unit}".rstrip()
+    """``-3.8 m``; ``none`` for what does not exist. Plain characters, for a CSV."""
+    return _plain(words.number(value, PLACES.get(unit, 2), unit)) if math.isfinite(value) else NONE
 
 
 def percent(value: float) -> str:
-    """A share: ``92 %``; one decimal between 99 and 100 and between 0 and 1, where it matters."""
-    if not math.isfinite(value):
-        return "none"
-    whole = 100.0 * value
-    near = 99.0 < whole < 100.0 or 0.0 < whole < 1.0
-    return f"{math.floor(10.0 * whole + 1e-9) / 10.0:.1f} %" if near else f"{whole:.0f} %"
+    """A share; ``none`` for what does not exist."""
+    return words.percent(value) if math.isfinite(value) else NONE
 
 
 def interval(effect: Effect) -> str:
     """``0.42 deg (0.31 to 0.50, 1000 pairs)``."""
     if effect.n == 0:
-        return "none"
+        return NONE
     bounds = f"{say(effect.low)} to {say(effect.high)}, " if math.isfinite(effect.low) else ""
     return f"{say(effect.value, effect.unit)} ({bounds}{effect.n} pairs)"
 
 
-def listed(names: Sequence[str]) -> str:
-    """``a``, ``a and b``, ``a, b and c``."""
-    return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else "".join(names)
+def _plain(text: str) -> str:
+    return text.replace(words.MINUS, "-")
 
 
 def reading(encounter: str) -> str:

@@ -5,17 +5,16 @@ A row is what ``rows.jsonl`` holds; its labels are in ``row["labels"]``, a label
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any, Final
 
 from testbed.flight.record import TOUCH_M, Outcome
+from testbed.results.rows import Row, keeps
+from testbed.results.rows import value as number
 from testbed.studies.scoam.labels import AIR, MAIN, ROBUSTNESS, Axis, Method, Part, Rung
-
-Row = Mapping[str, Any]
 
 MARGINAL_M: Final = 0.15  # three times what the flight loop's rate may change a least clearance by
 NEVER_FLEW: Final = (Outcome.CRASHED.value, Outcome.TRIM_FAILED.value)
-LOST: Final = (Outcome.DIVERGED.value, Outcome.HIT_GROUND.value)
 
 
 def label(row: Row, axis: Axis) -> str:
@@ -29,12 +28,6 @@ def part_of(row: Row) -> str:
     return ROBUSTNESS if part in (Part.ROBUSTNESS_SINGLE, Part.ROBUSTNESS_MULTI) else part
 
 
-def number(row: Row | None, name: str) -> float:
-    """A metric as a float, NaN where the row or the metric is missing."""
-    value = None if row is None else row.get(name)
-    return math.nan if value is None else float(value)
-
-
 def clearance(row: Row | None) -> float:
     """Least clearance, m; a touch (less than a micrometre either way) is exactly 0."""
     value = number(row, "least_clearance_m")
@@ -44,11 +37,6 @@ def clearance(row: Row | None) -> float:
 def flew(row: Row) -> bool:
     """Whether the flight says anything: a program that failed, a trim that was not found and a missing figure do not."""
     return row.get("outcome") not in NEVER_FLEW and not math.isnan(number(row, "least_clearance_m"))
-
-
-def keeps(row: Row) -> bool:
-    """Whether the flight kept every radius to its end; one that hit the ground or left its model's envelope did not."""
-    return row.get("outcome") not in LOST and clearance(row) >= 0.0
 
 
 def marginal(row: Row) -> bool:

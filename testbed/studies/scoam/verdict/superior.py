@@ -4,14 +4,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim, Effect
+from testbed.results.statistics import LEAST_PAIRS, NAN, NO_EFFECT, NO_SPREAD, Effect, mcnemar, median
+from testbed.show.words import listed
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
 from testbed.studies.scoam.labels import DROAM, MAIN, Encounter, Method, Part, Rung
 from testbed.studies.scoam.verdict.comparisons import draw_words
 from testbed.studies.scoam.verdict.pairs import CLEARANCE, DEFLECTION, LENGTH, LOAD, gain, paired
 from testbed.studies.scoam.verdict.ranking import Pairs, safe_pairs, threats, with_scoam
-from testbed.studies.scoam.verdict.saying import METHOD, RUNG, listed, percent, say
+from testbed.studies.scoam.verdict.saying import METHOD, RUNG, percent, say
 from testbed.studies.scoam.verdict.select import Flights, clearance, keeps
-from testbed.studies.scoam.verdict.stats import LEAST_PAIRS, NAN, NO_EFFECT, NO_SPREAD, mcnemar, median
 from testbed.studies.scoam.verdict.words import Ruling, agreement, robust
 
 BETTER, WORSE, EQUAL, OPEN = "better", "worse", "equal", "open"

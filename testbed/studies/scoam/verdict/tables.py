@@ -1,9 +1,9 @@
 """The tables behind the claims: methods case by case in calm air, methods by kind of air, flights by part."""
 
+from testbed.results.statistics import share_at_least, share_interval, spread
 from testbed.studies.scoam.labels import Axis, Method, Part, Rung
 from testbed.studies.scoam.verdict.model import AirCell, Case, Counted
 from testbed.studies.scoam.verdict.select import Flights, Row, clearance, flew, keeps, label, marginal, number
-from testbed.studies.scoam.verdict.stats import share_at_least, share_interval, spread
 
 CASE_RUNGS = (Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM, Rung.DIRECT)
 

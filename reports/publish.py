@@ -1,0 +1,48 @@
+"""Keep what is small of a run on the paper, to be committed: ``python reports/publish.py RUN_DIR FOLDER``.
+
+That is its page and ``verdict.csv``. The recordings, ``results.csv`` and the plan stay in the run directory, so the page here does not link
+to them: a link becomes its text, and a line at the head of the page says which command writes them and where to.
+"""
+
+import argparse
+import re
+import shutil
+import sys
+from pathlib import Path
+
+LINK = re.compile(r'<a href="recordings/[^"]*">(.*?)</a>')
+HEAD = "<main>\n"
+NOTE = (
+    '<p class="quiet">A copy of <code>{run}/index.html</code>. The recordings, <code>results.csv</code> and what'
+    " <code>testbed replay</code> needs are large and not kept beside it: <code>make paper-full</code> writes them into that folder,"
+    " and there flights are flown again.</p>\n"
+)
+
+
+def published(page: str, run: str) -> str:
+    """A run's page without links into the run directory ``run``, and with a line that says so."""
+    before, head, after = page.partition(HEAD)
+    if not head:
+        raise ValueError("not the page of a run: no <main>")
+    return before + head + NOTE.format(run=run) + LINK.sub(r"\1", after)
+
+
+def main() -> int:
+    """Publish the run that the command line names."""
+    parser = argparse.ArgumentParser(prog="publish", description="Keep what is small of a run, to be committed.")
+    parser.add_argument("run_dir", metavar="RUN_DIR", type=Path, help="a run directory with index.html and verdict.csv")
+    parser.add_argument("folder", metavar="FOLDER", type=Path, help="where they go")
+    asked = parser.parse_args()
+    try:
+        page = published((asked.run_dir / "index.html").read_text(encoding="utf-8"), asked.run_dir.as_posix())
+        asked.folder.mkdir(parents=True, exist_ok=True)
+        (asked.folder / "index.html").write_text(page, encoding="utf-8", newline="\n")
+        shutil.copyfile(asked.run_dir / "verdict.csv", asked.folder / "verdict.csv")
+    except (OSError, ValueError) as problem:
+        print(f"{asked.run_dir}: cannot be published ({problem})", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

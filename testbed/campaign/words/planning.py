@@ -1,0 +1,104 @@
+"""What a campaign may say of the planner: what it sees, who plans, by which method, how the flight comes back."""
+
+import inspect
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from testbed.campaign.words.pluggable import Pluggable
+from testbed.core.section import NonNegative, Number, Positive, Section
+from vosc import Obstacle, Own
+from vosc.methods import checked_choice
+
+
+def _needs(made: Any, what: str, *methods: str) -> None:
+    """What a part makes must have these methods."""
+    if missing := [name for name in methods if not callable(getattr(made, name, None))]:
+        raise ValueError(f"{what} needs {' and '.join(methods)}; {type(made).__name__} has no {' and no '.join(missing)}")
+
+
+class Sensor(Pluggable):
+    """What the planner sees of the obstacles."""
+
+    family = "sensor"
+
+    kind: str = "truth"
+    """truth: position and velocity without error. `file:name` is a sensor of a plug-in."""
+    range_m: Positive = 100.0
+    """An obstacle is seen when its centre is this near, m."""
+
+    @classmethod
+    def _try(cls, part: Any, options: dict[str, Any]) -> None:
+        _needs(part(**options), "a sensor", "start", "sense")
+
+
+class PlannerSpec(Pluggable):
+    """Who turns what is seen into a new path."""
+
+    family = "planner"
+
+    kind: str = "replan"
+    """replan: the paper's, with the settings of `method` and `replan`. `file:name` is a planner of a plug-in."""
+
+    @classmethod
+    def _try(cls, part: Any, options: dict[str, Any]) -> None:
+        _needs(part(**options), "a planner", "start", "step")
+
+
+class MethodSpec(Pluggable):
+    """The avoidance method and its options."""
+
+    family = "method"
+
+    kind: str = "scoam"
+    """Avoidance method; `testbed list methods` shows them. `file:function` is a direction of a plug-in, `file:Class` its steering law."""
+
+    @classmethod
+    def _try(cls, part: Any, options: dict[str, Any]) -> None:
+        if inspect.isclass(part):
+            _needs(part(**options), "a steering law", "start", "steer")
+        else:
+            own, obstacle = Own((0.0, 0.0, 0.0), (50.0, 0.0, 0.0)), Obstacle((100.0, 0.0, 0.0), (0.0, 0.0, 0.0), 25.0, is_threat=True)
+            checked_choice(part(own, (obstacle,), **options))
+
+
+class Rejoin(Section):
+    """How the flight comes back after an avoidance."""
+
+    to: Literal["goal", "route"] = "goal"
+    """goal: straight for the goal. route: back to the original path, and along it."""
+    when: Literal["insertion_point", "clear"] = "insertion_point"
+    """insertion_point: planned at once, from there on (the paper). clear: the avoidance direction is held until every obstacle opens
+    and the way back keeps its radius. A direct answer has no insertion point and always waits until it is clear."""
+    margin_m: NonNegative = 1.0
+    """The way back is clear when it passes every obstacle with this much to spare, m."""
+    bank_deg: Annotated[Number, Field(ge=5, le=70)] = 45.0
+    """The way back to the route turns no tighter than a level turn with this bank, deg."""
+
+
+class Replan(Section):
+    """How a threat becomes a new path (sections 4.3, 5 of the paper)."""
+
+    policy: Literal["once"] = "once"
+    """once: one re-plan per new threat."""
+    answer: Literal["insertion_point", "direct"] = "insertion_point"
+    """insertion_point: a path through the insertion point, with the avoidance direction there (the paper). direct: the avoidance
+    direction at once; a kinematic plant's velocity then jumps to it."""
+    rejoin: Rejoin = Rejoin()
+    """How the flight comes back."""
+    k: Annotated[Number, Field(ge=1)] = 1.25
+    """The insertion point lies k radii ahead of the obstacle's centre, along its velocity (eq. 35)."""
+    time_rule: Literal["arrival", "paper_4_3_2"] = "arrival"
+    """When the insertion point is reached: arrival (own travel time to it) or the rule of section 4.3.2."""
+    swell_m: NonNegative = 0.0
+    """Added to the radius of every obstacle that the planner knows; clearance is still counted from the radius itself, m."""
+    horizon_s: Positive = 10.0
+    """A threat further away in time than this is ignored, s."""
+    magnitude_chords: Annotated[Positive, Field(le=3)] = 1.0
+    """Length of the end tangents of each new piece of path, in its chord lengths."""
+    vo_frame: Literal["air", "ground_naive"] = "air"
+    """air: velocities less the known wind, own sphere of radius airspeed. ground_naive: velocities over the ground, as in calm air."""
+    wind_known: Literal["exact", "estimated", "none"] = "exact"
+    """What the planner knows of the mean wind where it is: all of it, with an error that is drawn once a flight, or nothing."""
+    wind_estimate_sigma_mps: NonNegative = 1.0
+    """Standard deviation of the error of an estimated wind, for each horizontal component, m/s."""

@@ -1,0 +1,70 @@
+"""``testbed check FAMILY KIND``: find the part, and try what it promises."""
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from testbed.campaign.reading.document import faults_of
+from testbed.campaign.reading.nodes import parse
+from testbed.campaign.reading.problems import Source, SpecError
+from testbed.contracts import guidance, method
+from testbed.contracts.promise import Promise, report
+from testbed.core import options, plugins, registry
+
+CONTRACTS: dict[str, Callable[[str, Any, Mapping[str, Any]], list[Promise]]] = {"method": method.promises, "guidance": guidance.promises}
+"""Family to its contract."""
+
+
+class CheckError(Exception):
+    """There is nothing to check; str() says why."""
+
+
+def check(family: str, kind: str, given: Mapping[str, Any]) -> tuple[bool, Iterator[str]]:
+    """(Are all promises kept?, lines to print.) ``kind`` may be the path of a file: ``study/tangent.py:avoid``. Raises ``CheckError``."""
+    file, colon, attribute = kind.rpartition(":")
+    if colon:
+        path = Path(file if file.endswith(".py") else f"{file}.py")
+        kind = f"{path.stem}:{attribute}"
+    try:
+        if colon:
+            plugins.add([plugins.read(path)])
+        part = registry.part(family, kind)
+    except (plugins.PluginError, registry.UnknownPartError) as error:
+        raise CheckError(str(error)) from None
+    described = _described(family, part, given)
+    every = [described, *([] if described.broken else CONTRACTS[family](kind, part, given))]
+    return all(promise.kept for promise in every), report(f"{family} '{kind}'", every)
+
+
+def given_options(written: Sequence[str]) -> dict[str, Any]:
+    """``KEY=VALUE`` each, the value as a YAML would say it. Raises ``CheckError``."""
+    found = {}
+    for text in written:
+        key, equals, value = text.partition("=")
+        if not equals or not key:
+            raise CheckError(f"--set {text}: expected KEY=VALUE, for example side=left")
+        try:
+            tree, problems = parse(Source(f"--set {text}", value, is_file=False))
+        except SpecError as error:
+            raise CheckError(str(error)) from None
+        if problems:
+            raise CheckError(str(SpecError(problems)))
+        found[key.strip()] = tree.value
+    return found
+
+
+def _described(family: str, part: Any, given: Mapping[str, Any]) -> Promise:
+    """Can a campaign name its options?"""
+    what = "has options that a YAML can say"
+    try:
+        options.checked(family, part, registry.FAMILIES[family].given, given)
+    except options.OptionsError as error:
+        return Promise(what, str(error))
+    except ValidationError as error:
+        return Promise(what, "; ".join(f"{'.'.join(map(str, fault.loc))}: {fault.message}" for fault in faults_of(error)))
+    known = list(options.model_of(part, registry.FAMILIES[family].given).model_fields)
+    doc = inspect.getdoc(part)
+    return Promise(what, note=(", ".join(known) or "none") + ("" if doc else "; it has no docstring"))

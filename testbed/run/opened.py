@@ -1,0 +1,146 @@
+"""A run directory from Python: its rows, its plans and what its flights did, as tables of pandas. Nothing is flown here."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from testbed.campaign.words.settings import Campaign, FlightPlan
+from testbed.results.columns import AXIS, METRICS, Kind
+from testbed.run.directory import BadInputError, RunDirectory
+from testbed.run.stored import existing, plan_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyarrow as pa
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run directory, opened to be read."""
+
+    directory: RunDirectory
+
+    @cached_property
+    def results(self) -> "pd.DataFrame":
+        """One row a flight, in plan order, typed as in ``results.parquet``; ``attrs`` has ``units`` and ``definitions`` by column.
+
+        Metres, seconds, degrees: the unit is in the name too. ``docs/results.md`` says what each column is.
+        """
+        import pyarrow.parquet as pq
+
+        file = self.directory / "results.parquet"
+        if not file.is_file():
+            raise BadInputError(
+                f"{file}: not there; a run writes it when it ends (testbed report {self.directory.path} writes it of the flights that are "
+                "done), a study of searches has a table of its own instead"
+            )
+        table = pq.read_table(file)
+        frame: pd.DataFrame = table.to_pandas()
+        flags = [column.name for column in METRICS if column.kind is Kind.FLAG]
+        frame[flags] = frame[flags].astype("boolean")  # true, false or missing, whether a flight of the run has none or not
+        frame.attrs["units"] = _told(table.schema, b"unit")
+        frame.attrs["definitions"] = _told(table.schema, b"definition")
+        return frame
+
+    @cached_property
+    def _plan(self) -> tuple[Campaign, list[FlightPlan]]:
+        return plan_of(self.directory)
+
+    @property
+    def campaign(self) -> Campaign:
+        return self._plan[0]
+
+    @property
+    def plans(self) -> list[FlightPlan]:
+        """What was to be flown, flown yet or not."""
+        return self._plan[1]
+
+    def series(self, columns: Sequence[str] | None = None, every_s: float | None = None) -> "pd.DataFrame":
+        """What the flights did over time: ``flight_id``, ``time_s`` and the signals, one row an instant; flights in plan order.
+
+        ``columns``: names of signals (``own.pos_enu_m`` stands for its three parts), by default all that were kept. ``every_s``: one
+        instant every so many seconds from 0 on, to the nearest tick; by default every tick of the plant. A flight has a series where
+        the campaign said ``columns: all`` or ``selected``.
+        """
+        import pandas as pd
+
+        kept = [plan.flight_id for plan in self.plans if (self.directory.columns / f"{plan.flight_id}.parquet").is_file()]
+        if not kept:
+            raise BadInputError(f"{self.directory.path}: kept no series; fly the campaign with --set columns=all (or selected)")
+        frames = [self._series_of(flight_id, columns, every_s) for flight_id in kept]
+        return pd.concat(frames, ignore_index=True)
+
+    def _series_of(self, flight_id: str, columns: Sequence[str] | None, every_s: float | None) -> "pd.DataFrame":
+        import pyarrow.parquet as pq
+
+        table = pq.read_table(self.directory.columns / f"{flight_id}.parquet")
+        if columns is not None:
+            table = table.select(_selected(table.column_names, columns))
+        if every_s is not None:
+            table = table.take(_ticks(table, every_s))
+        frame: pd.DataFrame = table.to_pandas()
+        frame.insert(0, "flight_id", flight_id)
+        return frame
+
+    def join(self, other: "Run", on: str | Sequence[str], suffixes: tuple[str, str] = ("", "_other")) -> "pd.DataFrame":
+        """The rows of this run, each beside the one of the other run that equals it in the columns ``on``; rows without one are left out.
+
+        An axis can be named without its ``label.``. What both have gets the suffixes. Raises ``ValueError`` where several flights of
+        either run are equal in ``on``: that would pair each with each.
+        """
+        import pandas as pd
+
+        mine, theirs = self.results, other.results
+        names = [_column(mine, theirs, name) for name in ([on] if isinstance(on, str) else on)]
+        for name in names:
+            if pd.api.types.is_numeric_dtype(mine[name]) != pd.api.types.is_numeric_dtype(theirs[name]):
+                raise ValueError(f"{name}: holds numbers in one run and text in the other, so no two rows are equal in it")
+        for run, frame in ((self, mine), (other, theirs)):
+            if (twice := frame.duplicated(names)).any():
+                again = frame.loc[twice, names].iloc[0].to_dict()
+                raise ValueError(f"{run.directory.path}: several flights have {again}; name more columns in on, such as replicate")
+        return mine.merge(theirs, on=names, suffixes=suffixes)
+
+
+def open_run(path: str | Path) -> Run:
+    """A run directory. Raises ``BadInputError`` if there is none."""
+    return Run(existing(Path(path)))
+
+
+def _told(schema: "pa.Schema", key: bytes) -> dict[str, str]:
+    return {field.name: field.metadata[key].decode() for field in schema if field.metadata}
+
+
+def _selected(there: Sequence[str], wanted: Sequence[str]) -> list[str]:
+    """Columns of a file: the time, and the wanted ones or their parts."""
+    chosen = ["time_s"]
+    for name in wanted:
+        found = [column for column in there if column == name or column.rpartition(".")[0] == name]
+        if not found:
+            raise ValueError(f"no signal '{name}' was kept; there are: {', '.join(there)}")
+        chosen += [column for column in found if column not in chosen]
+    return chosen
+
+
+def _ticks(table: "pa.Table", every_s: float) -> Any:
+    """Rows nearest to multiples of a time."""
+    import numpy as np
+
+    if not every_s > 0.0:
+        raise ValueError(f"every_s: give a time above 0 s, got {every_s}")
+    hz = json.loads(table.schema.metadata[b"flight"])["plant_hz"]
+    last_s = (table.num_rows - 1) / hz
+    instants = np.arange(0.0, last_s + 0.5 / hz, every_s)
+    return np.unique(np.minimum(np.round(instants * hz), table.num_rows - 1).astype(int))
+
+
+def _column(mine: "pd.DataFrame", theirs: "pd.DataFrame", name: str) -> str:
+    """A column that both have, by its name or as an axis."""
+    both = [column for column in mine.columns if column in theirs.columns]
+    for found in (name, f"{AXIS}{name}"):
+        if found in both:
+            return found
+    raise ValueError(f"'{name}' is no column of both runs; there are: {', '.join(both)}")

@@ -1,0 +1,156 @@
+"""How numbers, shares, lists and names are worded for people: page, recording, command line and studies all ask here.
+
+A study has the names of its own labels beside it; what every campaign has, plants, outcomes, methods, common axes, is named in this file.
+"""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from testbed.flight.record import Outcome
+from testbed.results.columns import read_aloud
+
+DASH: Final = "\N{EN DASH}"
+MINUS: Final = "\N{MINUS SIGN}"
+DIGITS: Final = {"m": 1, "deg": 1, "s": 2, "deg/s": 0, "%": 0, "ms": 1, "g": 1}
+"""Decimals of a quantity by its unit; 2 of any other."""
+
+OUTCOMES: Final = {
+    Outcome.REACHED: ("reached the goal", ""),
+    Outcome.COLLIDED: ("collided", "came closer than the obstacle's radius"),
+    Outcome.TIMED_OUT: ("timed out", ""),
+    Outcome.NO_PATH: ("found no path", ""),
+    Outcome.HIT_GROUND: ("hit the ground", ""),
+    Outcome.DIVERGED: ("diverged", "left the envelope of the model"),
+    Outcome.TRIM_FAILED: ("could not be trimmed", ""),
+    Outcome.STOPPED: ("was stopped before the goal", ""),
+    Outcome.CRASHED: ("failed to run", ""),
+}
+"""What a flight did, in the order of telling, and what that means where it is not plain."""
+
+METHODS: Final = {
+    "none": "no avoidance",
+    "scoam": "SCOAM",
+    "droam_hp": "DROAM/HP",
+    "droam_vp": "DROAM/VP",
+    "orca": "ORCA",
+}
+FLYERS: Final = {"kinematic": "kinematic point", "point_mass": "{} as a point mass", "jsbsim": "{} flown in JSBSim"}
+AXES: Final = {
+    "flown_by": "flown by {}",
+    "wind_mps": "wind {} m/s",
+    "wind_from": "wind from {}",
+    "severity": "{} turbulence",
+    "speed_mps": "{} m/s",
+    "replan.k": "k {}",
+    "replan.swell_m": "margin {} m",
+    "air.wind.speed_mps": "wind {} m/s",
+    "air.wind.from_deg": "wind from {} deg",
+    "air.turbulence.severity": "{} turbulence",
+    "sensor.range_m": "seen from {} m on",
+}
+_BARE = re.compile(r"[+-]?[\d.]+([eE][+-]?\d+)?|[+-]?inf|true|false|null|\[.*")  # says nothing without its axis
+
+
+def number(value: float, digits: int = 1, unit: str = "") -> str:
+    """A number: a dash for what does not exist, no minus sign on zero."""
+    if not math.isfinite(value):
+        return DASH
+    text = f"{value:.{digits}f}"
+    text = text.removeprefix("-") if float(text) == 0.0 else text.replace("-", MINUS)
+    return f"{text} {unit}".rstrip()
+
+
+def percent(share: float) -> str:
+    """A share: ``92 %``, with a decimal (cut off) below 1 and above 99, so that 0 and 100 are said of none and of all alone."""
+    if not math.isfinite(share):
+        return DASH
+    whole = 100.0 * share
+    if 0.0 < whole < 0.1:
+        return "below 0.1 %"
+    if 0.0 < whole < 1.0 or 99.0 < whole < 100.0:
+        return f"{min(math.floor(10.0 * whole + 1e-9) / 10.0, 99.9):.1f} %"
+    return f"{whole:.0f} %"
+
+
+def amount(value: float, unit: str, digits: int | None = None) -> str:
+    """A quantity with the decimals of its unit; a ``share`` as per cent."""
+    if unit == "share":
+        return percent(value)
+    return number(value, DIGITS.get(unit, 2) if digits is None else digits, unit)
+
+
+def interval(low: float, high: float, unit: str, digits: int | None = None) -> str:
+    """``2.1 to 3.4 m``, ``21 to 29 %``; one of them where both read the same."""
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return DASH
+    shown = "%" if unit == "share" else unit
+    first, last = amount(low, unit, digits), amount(high, unit, digits)
+    return f"{first.removesuffix(shown).rstrip()} to {last}"
+
+
+def span(low: float, high: float, unit: str, digits: int) -> str:
+    """The range of what was seen: an interval, or one value where both ends read the same."""
+    first, last = number(low, digits, unit), number(high, digits, unit)
+    return last if first == last else interval(low, high, unit, digits)
+
+
+def listed(names: Sequence[str]) -> str:
+    """``a``, ``a and b``, ``a, b and c``."""
+    return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else "".join(names)
+
+
+def counted(number_of: int, noun: str) -> str:
+    """``1 flight``, ``2 flights``."""
+    return f"{number_of} {noun}" + ("" if number_of == 1 else "s")
+
+
+def sentence(text: str) -> str:
+    """With a full stop, and only one."""
+    return text if not text or text.endswith((".", "?", "!")) else f"{text}."
+
+
+def capital(text: str) -> str:
+    """With a capital at its beginning."""
+    return text[:1].upper() + text[1:]
+
+
+def named(names: Mapping[str, str], key: str) -> str:
+    """The reader's name of something; one that is not known is read aloud."""
+    return names.get(key, read_aloud(key))
+
+
+def method(name: str) -> str:
+    """An avoidance method."""
+    return named(METHODS, name)
+
+
+def flyer(plant: str, aircraft: str) -> str:
+    """Who flew: the point, or the aircraft and the physics it flew in."""
+    return FLYERS.get(plant, f"{{}} ({plant})").format(aircraft)
+
+
+def circumstance(axis: str, label: str) -> str:
+    """A label of a flight; one that says something by itself needs no axis."""
+    if axis in AXES:
+        return AXES[axis].format(label)
+    if axis in ("method", "method.kind"):
+        return method(label)
+    return f"{axis} {label}" if _BARE.fullmatch(label) else label
+
+
+def outcome(name: str) -> str:
+    """What a flight did, briefly."""
+    return OUTCOMES[Outcome(name)][0] if name in OUTCOMES else read_aloud(name)
+
+
+def outcome_told(name: str) -> str:
+    """What a flight did, and what that means."""
+    return ": ".join(filter(None, OUTCOMES[Outcome(name)]))
+
+
+def outcomes(count: Mapping[str, int]) -> str:
+    """``7 reached the goal, 5 collided``."""
+    known = [one.value for one in OUTCOMES if one in count]
+    return ", ".join(f"{count[name]} {outcome(name)}" for name in [*known, *sorted(set(count) - set(known))])

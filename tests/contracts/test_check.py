@@ -1,0 +1,123 @@
+"""``testbed check`` passes what is built in, and says in words which promise a part of one's own breaks."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from testbed.contracts.check import CheckError, check, given_options
+from testbed.core import registry
+
+GOOD = "def avoid(own, obstacles):\n    '''Turns up.'''\n    x, y, z = own.vel_mps\n    return Choice((-y, x, z), 'avoided')\n"
+BROKEN = {
+    "answers with a Choice": [
+        "def avoid(own, obstacles):\n    return own.vel_mps\n",
+        "def avoid(own, obstacles):\n    return Choice((1.0, 2.0), 'avoided')\n",
+        "def avoid(own, obstacles):\n    return Choice((float('nan'), 0.0, 0.0), 'avoided')\n",
+        "def avoid(own, obstacles):\n    return Choice(own.vel_mps, 'turned')\n",
+        "def avoid(own, obstacles):\n    1 / sum(own.vel_mps[:2])\n    return Choice(own.vel_mps, 'avoided')\n",
+    ],
+    "gives the same answer": [
+        "import random\n\ndef avoid(own, obstacles):\n    x, y, z = own.vel_mps\n    a = random.choice([1.0, -1.0])\n"
+        "    return Choice((-a * y, a * x, z), 'avoided')\n",
+        "seen = []\n\ndef avoid(own, obstacles):\n    seen.append(own)\n    x, y, z = own.vel_mps\n"
+        "    return Choice((-y, x, z) if len(seen) % 2 else (y, -x, z), 'avoided')\n",
+    ],
+    "leaves what it is given alone": [
+        "def avoid(own, obstacles):\n    x, y, z = own.vel_mps\n    object.__setattr__(own, 'vel_mps', (-y, x, z))\n"
+        "    return Choice(own.vel_mps, 'avoided')\n",
+    ],
+    "keeps the speed": ["def avoid(own, obstacles):\n    return Choice(tuple(2 * v for v in own.vel_mps), 'avoided')\n"],
+}
+
+
+@pytest.fixture
+def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+
+    def save(text: str) -> None:
+        (tmp_path / "mine.py").write_text(f"from vosc.methods import Choice\n\n\n{text}")
+
+    return save
+
+
+@pytest.mark.parametrize("kind", registry.names("method"))
+def test_every_method_that_is_built_in_keeps_its_promises(kind: str) -> None:
+    kept, lines = check("method", kind, {})
+    assert kept, "\n".join(lines)
+
+
+@pytest.mark.parametrize("kind", registry.names("guidance"))
+def test_every_law_that_is_built_in_keeps_its_promises(kind: str) -> None:
+    kept, lines = check("guidance", kind, {})
+    assert kept, "\n".join(lines)
+
+
+def test_a_good_method_of_one_s_own_passes(write) -> None:
+    write(GOOD)
+    kept, lines = check("method", "mine:avoid", {})
+    text = list(lines)
+    assert kept, text
+    assert text[-1] == "method 'mine:avoid': all 6 promises kept"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("promise", "text"), [(promise, text) for promise, texts in BROKEN.items() for text in texts])
+def test_what_a_method_breaks_is_named(write, promise: str, text: str) -> None:
+    write(text)
+    kept, lines = check("method", "mine:avoid", {})
+    assert not kept
+    assert any(line.startswith("broken") and promise in line for line in lines)
+
+
+def test_a_law_that_ignores_its_path_is_named(write) -> None:
+    write(
+        "from testbed.flight.guidance.law import Memory, Telemetry\nfrom testbed.flight.plants.base import Command\n\n\n"
+        "class Straight:\n"
+        "    def __init__(self, setting):\n        self.n = 0\n"
+        "    def start(self, s_m):\n        return Memory(s_m, s_m)\n"
+        "    def step(self, memory, state, path):\n        self.n += 1\n"
+        "        bank = 0.001 * self.n\n"
+        "        return Command(-bank, 1.0, 50.0, 0.0), Memory(memory.s_m + 0.8, 0.0), Telemetry(memory.s_m, -bank, 1.0, 0.0)\n"
+    )
+    kept, lines = check("guidance", "mine:Straight", {})
+    broken = [line for line in lines if line.startswith("broken")]
+    assert not kept
+    assert [any(words in line for line in broken) for words in ("memory alone", "banks towards", "follows a path")] == [True] * 3
+
+
+def test_options_are_checked_before_anything_is_tried(write) -> None:
+    write(GOOD.replace("obstacles)", "obstacles, side: str = 'left')"))
+    kept, lines = check("method", "mine:avoid", given_options(["sidd=left", "side=3"]))
+    text = "\n".join(lines)
+    assert not kept
+    assert "sidd: unknown option 'sidd'" in text
+    assert "side: must be a text, not 3" in text
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [("nothing", "no method 'nothing'; there are: none, scoam"), ("gone:avoid", "no such file"), ("mine:other", "has no 'other'")],
+)
+def test_what_is_not_there_is_said(write, kind: str, said: str) -> None:
+    write(GOOD)
+    with pytest.raises(CheckError, match=said):
+        check("method", kind, {})
+
+
+def test_the_command(write, tmp_path: Path) -> None:
+    write(GOOD)
+    command = [sys.executable, "-c", "from testbed.cli import main; main()", "check"]
+
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([*command, *arguments], capture_output=True, text=True, check=False, cwd=tmp_path, env={**os.environ})
+
+    good = run("method", "mine:avoid")
+    assert (good.returncode, good.stdout.splitlines()[-1]) == (0, "method 'mine:avoid': all 6 promises kept")
+    write(GOOD.replace("'avoided'", "'done'"))
+    assert run("method", "mine:avoid").returncode == 1
+    bad = run("method", "mine:avoid", "--set", "oops")
+    assert bad.returncode == 2
+    assert "expected KEY=VALUE" in bad.stderr
