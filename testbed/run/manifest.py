@@ -79,7 +79,7 @@ def own(directory: RunDirectory, manifest: Manifest, names: list[str]) -> None:
 
 def refuse_another(directory: RunDirectory, manifest: Manifest, plan: dict[str, Any], world: World) -> None:
     """Raise unless the run in the directory is of the same plan, code and versions; say what differs."""
-    there, now = manifest["identity"], fingerprint(plan, world)
+    there, now = (_flown(names, plan) for names in (manifest["identity"], fingerprint(plan, world)))
     if there == now:
         return
     why = []
@@ -99,6 +99,12 @@ def refuse_another(directory: RunDirectory, manifest: Manifest, plan: dict[str, 
         + "".join(f"  {line}\n" for line in why)
         + "start again with --fresh (removes that run), or write elsewhere with --out"
     )
+
+
+def _flown(names: Fingerprint, plan: dict[str, Any]) -> Fingerprint:
+    """Without the plug-ins that no flight is made of: a study that judges may change, and then judges the same flights anew."""
+    used = {name for flight in plan["flights"] for name in flight["plugins"]}
+    return names | {"plugins": {name: sha256 for name, sha256 in names["plugins"].items() if name in used}}
 
 
 def _changed(word: str, there: dict[str, str], now: dict[str, str]) -> list[str]:

@@ -92,6 +92,8 @@ def _open(directory: RunDirectory, order: Order, campaign: Campaign, plan: dict[
     if directory.is_run:
         there = manifest.load(directory)
         manifest.refuse_another(directory, there, plan, world)
+        there["identity"] |= {"plugins": {plugin.name: plugin.sha256 for plugin in world.plugins}}
+        manifest.save(directory, there)
         return there
     begun = manifest.new(campaign, order.source.name, order.overrides, plan, world)
     manifest.save(directory, begun)

@@ -56,7 +56,7 @@ def _studied(campaign: Campaign, run: Run) -> Written:
         if ":" not in kind:
             raise
         raise BadInputError(
-            f"the study '{kind}' fails to write: {type(bug).__name__}: {bug}; the flights are kept, `testbed report` writes again"
+            f"the study '{kind}' fails to write: {type(bug).__name__}: {bug}; the flights are kept: mend it, and run the campaign again"
         ) from bug
     if not isinstance(made, Written):
         raise BadInputError(f"the study '{kind}' writes {type(made).__name__}, and no testbed.studies.study.Written")

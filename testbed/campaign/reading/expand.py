@@ -76,11 +76,6 @@ def with_origins(plan: FlightPlan) -> FlightPlan:
 def _identity(plan: FlightPlan) -> dict[str, Any]:
     """All that is flown. A study that only judges is no part of it: the same flight can be judged by another."""
     said = plan.model_dump(mode="json", exclude={"flight_id": True, "campaign": True, **_unsaid(plan)})
-    if plan.plugins and "study" not in said:
-        flown = registry.origins((section.family, section.kind) for section in plan.plugged if section is not plan.study)
-        said["plugins"] = {name: plan.plugins[name] for name in flown}
-    if not said.get("plugins"):
-        said.pop("plugins", None)
     return said if "study" in said else said | ONCE_SAID
 
 
@@ -91,6 +86,8 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         unsaid["vary"] = True
     if not plan.plugins:
         unsaid["plugins"] = True
+    if not plan.study.part.flies:
+        unsaid["study"] = True
     if plan.planner == PlannerSpec():
         unsaid["planner"] = True
     if not plan.study.part.flies:

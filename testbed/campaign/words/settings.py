@@ -259,8 +259,8 @@ class FlightPlan(FlightSettings):
 
     @property
     def plugged(self) -> tuple[Pluggable, ...]:
-        """Every section that names a part."""
-        sections = (getattr(self, name) for name in FlightSettings.model_fields)
+        """Every section that names a part that the flight is made of: not a study that only judges it."""
+        sections = (getattr(self, name) for name in FlightSettings.model_fields if name != "study" or self.study.part.flies)
         return (*(section for section in sections if isinstance(section, Pluggable)), *self.obstacles)
 
     @field_validator("air")

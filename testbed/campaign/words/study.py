@@ -42,8 +42,7 @@ class StudySpec(Pluggable):
     family = "study"
 
     kind: str = NONE
-    """none: the page shows what was flown. Another one has files and a page, or the top of it, of its own: docs/verdict.md,
-    docs/lead_time.md."""
+    """none: the page shows what was flown. Another one writes files and a page, or the top of it, of its own; docs/ has a page of each."""
 
     @model_validator(mode="before")
     @classmethod

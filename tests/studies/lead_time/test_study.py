@@ -157,7 +157,7 @@ def test_what_a_study_needs_is_said_where_it_is_not(tmp_path: Path) -> None:
     assert told["study.options.tolerance"][1].startswith("unknown option 'tolerance' of the study 'lead_time'")
     assert told["study.options.tolerance"][2] == "did you mean 'tolerance_s'?"
     file.write_text(STUDY.format(name="bare", plants="kinematic").partition("study:")[0] + "study: {kind: lead_time}\n")
-    with pytest.raises(SpecError, match=r"bare\.yaml:\d+:\d+: study\.options\.leads_s: this key is missing"):
+    with pytest.raises(SpecError, match=r"little\.yaml:\d+:\d+: study\.options\.leads_s: this key is missing"):
         load_campaign(file)
 
 
