@@ -49,6 +49,9 @@ FASTEST_SPEED_LOOP_RAD_S = 1.0
 LEAST_LAG_S = 0.01  # an engine in whose model the thrust simply follows the throttle
 CLIMB_SHARE = 0.8  # of the steepest climb: the power of climbing is taken between there and level flight
 SLOWEST_STALLS, FASTEST_SHARE = 1.2, 1.6  # the envelope's airspeeds: stalls, and times the reference airspeed
+SLOWEST_BANDWIDTH_RAD_S = 0.05
+PACES = (1.0, 0.8, 0.6, 0.4)  # of the inner loops and of guidance: one after the other, until the verification passes
+PACED = ("bank_1ps", "aileron_per_roll_rate_s", "elevator_p", "elevator_i_1ps")
 CONTROL_RAD_S = np.geomspace(0.2, 15.0, 120)
 
 
@@ -81,21 +84,42 @@ def tune(name: str, write: bool) -> str:
         raise TuneFailedError(report)
     if write:
         write_gains(before, found)
-        load_aircraft.cache_clear()
     return report
+
+
+class Placed(NamedTuple):
+    """An aircraft with measured limits and placed inner loops, its linear model, and what its engine does for it."""
+
+    aircraft: Aircraft
+    model: LinearModel
+    power: "Power"
 
 
 def find_gains(aircraft: Aircraft) -> Aircraft:
     """The aircraft with measured limits, placed loops and identified lags."""
+    return identified(placed(aircraft), 1.0)
+
+
+def placed(aircraft: Aircraft) -> Placed:
+    """Limits measured and inner loops placed."""
     speed = aircraft.autopilot.reference_mps
     model = linearise(Rig(aircraft, speed))
     lags = surface_lags(aircraft, model)
     gains = place_pitch(model, place_lateral(model, aircraft.autopilot, lags), lags)
     power = _power(aircraft, speed)
-    aircraft = _changed(_measured(aircraft, speed), autopilot=gains.model_dump() | place_throttle(power, math.inf))
+    return Placed(_changed(_measured(aircraft, speed), autopilot=gains.model_dump() | place_throttle(power, math.inf)), model, power)
+
+
+def identified(placed: Placed, pace: float) -> Aircraft:
+    """The aircraft with inner loops that many times as fast as they were placed, lags as they are flown then, and guidance to fit."""
+    aircraft, model, power = placed
+    speed = aircraft.autopilot.reference_mps
+    if pace != 1.0:
+        slower = {key: rounded(pace * getattr(aircraft.autopilot, key)) for key in PACED}
+        aircraft = _changed(aircraft, autopilot=slower)
     (bank, flown), (lift, _) = bank_step(aircraft, speed), load_factor_step(aircraft, speed)
     turn = turn_response(flown)
-    bandwidth = guidance_bandwidth(bank, lift, turn)
+    bandwidth = max(SLOWEST_BANDWIDTH_RAD_S, round(pace * guidance_bandwidth(bank, lift, turn), 2))
     leads = {"bank_lead_s": rounded(max(0.0, turn.lag_s(bandwidth))), "load_factor_lead_s": rounded(max(0.0, lift.lag_s(bandwidth)))}
     integral = rounded(INTEGRAL_SHARE * bandwidth)
     aircraft = _changed(aircraft, guidance={"bandwidth_rad_s": bandwidth, "damping": DAMPING, "integral_1ps": integral, **leads})
@@ -160,7 +184,7 @@ def guidance_bandwidth(bank: StepResponse, lift: StepResponse, turn: StepRespons
         (response.transfer(CONTROL_RAD_S), most)
         for response, most in ((bank, MOST_SENSITIVITY), (lift, MOST_SENSITIVITY), (turn, MOST_TURN_SENSITIVITY))
     ]
-    best = 0.05
+    best = SLOWEST_BANDWIDTH_RAD_S
     for bandwidth in np.arange(0.1, 5.0, 0.05):
         law = path_law(float(bandwidth))
         if any(float(np.max(1.0 / np.abs(1.0 + law * answer))) > most for answer, most in answers):

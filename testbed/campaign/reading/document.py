@@ -178,12 +178,12 @@ def faults(data: dict[str, Any]) -> list[Fault]:
     return []
 
 
-def faults_of(error: ValidationError) -> list[Fault]:
-    """Pydantic's errors as faults. A misspelt key is one fault, not an unknown key and a missing one."""
+def faults_of(error: ValidationError, root: type[BaseModel] = Campaign) -> list[Fault]:
+    """Pydantic's errors as faults; ``root`` is what was validated. A misspelt key is one fault, not an unknown key and a missing one."""
     found: dict[Fault, None] = {}
     misspelt: set[Loc] = set()
     for item in error.errors(include_url=False):
-        loc, message, hint = worded(item)
+        loc, message, hint = worded(item, root)
         found[Fault(loc, message, hint, at_key=item["type"] in UNKNOWN)] = None
         if item["type"] == "extra_forbidden" and hint.startswith("did you mean"):
             misspelt.add((*loc[:-1], hint.split("'")[1]))

@@ -66,9 +66,9 @@ def _tagged(kind: Any, tag: str | int) -> Any:
     return kind
 
 
-def untagged(loc: Loc) -> tuple[Loc, Any]:
+def untagged(loc: Loc, root: type[BaseModel] = Campaign) -> tuple[Loc, Any]:
     """Pydantic's location without the tags that it inserts for tagged unions, and the type of what holds the last key."""
-    kind: Any = Campaign
+    kind: Any = root
     holder: Any = None
     kept: list[str | int] = []
     for part in loc:

@@ -4,10 +4,12 @@ import math
 from collections.abc import Sequence
 from typing import Any, get_args
 
+from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from testbed.campaign.reading.problems import did_you_mean
 from testbed.campaign.reading.vocabulary import Loc, keys, members, unit_of, untagged
+from testbed.campaign.words.settings import Campaign
 from testbed.campaign.words.study import formerly
 
 _BOUNDS = {
@@ -58,17 +60,17 @@ def _choice(expected: str, value: Any) -> tuple[str, str]:
     return allowed + (f"'{_clipped(value)}'" if isinstance(value, str) else shown(value)), did_you_mean(str(value), names)
 
 
-def worded(error: ErrorDetails) -> tuple[Loc, str, str]:
-    """(location in the data, message, hint) of one error."""
+def worded(error: ErrorDetails, root: type[BaseModel] = Campaign) -> tuple[Loc, str, str]:
+    """(location in the data, message, hint) of one error; ``root`` is what was validated."""
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
-    loc, holder = untagged(error["loc"][:-1] if error["loc"][-1:] == ("[key]",) else error["loc"])
+    loc, holder = untagged(error["loc"][:-1] if error["loc"][-1:] == ("[key]",) else error["loc"], root)
     if kind == "extra_forbidden":
         known = list(keys(holder))
         if len(loc) == 1 and (instead := formerly(str(loc[0]))):
             return loc, f"unknown key '{loc[0]}'", f"write {instead}"
         return loc, f"unknown key '{loc[-1]}'", did_you_mean(str(loc[-1]), known) or f"known here: {', '.join(known)}"
     if kind in ("missing", "too_long", "too_short"):
-        return _incomplete(loc, kind, value, context)
+        return _incomplete(loc, kind, value, context, root)
     if kind == "union_tag_not_found":
         return (*loc, "kind"), "this key is missing", ""
     if kind == "union_tag_invalid":
@@ -107,12 +109,12 @@ def _unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     return message, hint
 
 
-def _incomplete(loc: Loc, kind: str, value: Any, context: dict[str, Any]) -> tuple[Loc, str, str]:
+def _incomplete(loc: Loc, kind: str, value: Any, context: dict[str, Any], root: type[BaseModel]) -> tuple[Loc, str, str]:
     """A missing key, or a list of the wrong length."""
     if kind == "missing" and isinstance(loc[-1], str):
         return loc, "this key is missing", ""
     if kind == "missing":  # an item of a list of fixed length; pydantic says so once for each
-        _, holder = untagged(loc)
+        _, holder = untagged(loc, root)
         wanted = len(get_args(members(holder)[0]))
         return loc[:-1], f"must have {wanted} values, not {len(value)}", ""
     limit = context.get("max_length", context.get("min_length"))

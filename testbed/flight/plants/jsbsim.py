@@ -14,6 +14,7 @@ from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, Followable, PlantSetting, Start, State, make
 from testbed.flight.plants.jsbsim_air import WIND, GustFeed, rates_in_air, switch_on
+from testbed.flight.plants.jsbsim_settled import HOLD_S
 from testbed.flight.plants.jsbsim_start import begin, load_model, node, spool_up, trim_level
 
 Read = Callable[[], float]
@@ -68,7 +69,7 @@ class JsbsimPlant:
         fdm, trim = spool_up(fdm, aircraft, start, trim_level(fdm, aircraft, start.speed, height), height, turns)
         self._steady = start.wind if air is None else air.steady
         feed = GustFeed(lambda name: node(fdm, name), air, start.wind) if air is not None and air.steady is None else None
-        begin(fdm, start, trim, height, feed)
+        begin(fdm, start, trim, height, feed, HOLD_S if aircraft.model.start == "settled" else 0.0)
         self._per_lift = -1.0 / fdm["inertia/weight-lbs"]  # load factor per lb along the body's z axis; no fuel is burnt
         self._fdm = fdm  # the bound methods below do not keep it alive
         self._autopilot = Autopilot(aircraft, trim.throttle, 1.0 / guidance_hz)

@@ -82,18 +82,20 @@ def changed_root(file: Path, factors: Mapping[str, float], air_turns: bool = Fal
     """A folder of aircraft in which JSBSim finds ``<root>/<name>/<name>.xml`` with those factors, until the end of the block.
 
     Everything else of the aircraft's folder (engines, systems, what is included) is there by links, or as copies where links are not
-    allowed. Without factors, and in air that does not turn, it is the folder where the file is.
+    allowed. Without factors, and in air that does not turn, it is the folder where the file is, if that has the model's name.
     """
-    if not factors and not air_turns:
+    rewritten = bool(factors) or air_turns
+    if not rewritten and file.parent.name == file.stem:
         yield file.parent.parent
         return
     with TemporaryDirectory(prefix="aircraft-") as root:
-        folder = Path(root) / file.parent.name
+        folder = Path(root) / file.stem  # JSBSim wants <name>/<name>.xml, whatever the folder of the aircraft is called
         folder.mkdir()
         for beside in file.parent.resolve().iterdir():
-            if beside.name != file.name:
+            if not rewritten or beside.name != file.name:
                 _put_beside(folder / beside.name, beside)
-        (folder / file.name).write_text(read_model(file, air_turns).changed(factors), encoding="utf-8")
+        if rewritten:
+            (folder / file.name).write_text(read_model(file, air_turns).changed(factors), encoding="utf-8")
         yield Path(root)
 
 

@@ -5,18 +5,23 @@ is looked up by ``node``, which refuses one that is absent.
 """
 
 import math
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import jsbsim
 
 from testbed.core.frames import Vec3, body_rates, enu_from_wind_axes, euler_from_enu_from_body
+from testbed.core.model_files import model_path
 from testbed.core.units import DEG, FT
 from testbed.flight.air import ground_speed_along
 from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants.base import Start, TrimFailedError
 from testbed.flight.plants.jsbsim_air import GustFeed
 from testbed.flight.plants.jsbsim_model import changed_root
+from testbed.flight.plants.jsbsim_settled import HOLD_S, Balance, find_balance, hold, longitude_deg, put, start_engines
 from testbed.flight.plants.kinematic import coordinated
 
 LATITUDE_DEG = 37.0  # where the flat ground of the ENU frame touches the ellipsoid; any mid latitude does
@@ -52,15 +57,23 @@ def load_model(aircraft: Aircraft, plant_hz: int, air_turns: bool = False) -> js
         node(fdm, f"simulation/integrator/{motion}").set_double_value(rule)
     with changed_root(file, aircraft.model.factors, air_turns) as root:
         fdm.set_aircraft_path(str(root))
-        if not fdm.load_model(aircraft.model.name):
+        if not _loads(fdm, aircraft.model.name):
             raise FileNotFoundError(f"JSBSim cannot load '{aircraft.model.name}' ({aircraft.model.files} files)")
     return fdm
 
 
+def _loads(fdm: jsbsim.FGFDMExec, name: str) -> bool:
+    """Without the files that some models write while they fly."""
+    with TemporaryDirectory(prefix="output-") as folder:
+        fdm.set_output_path(folder)
+        loaded = bool(fdm.load_model(name))
+    fdm.disable_output()
+    return loaded
+
+
 def model_file(aircraft: Aircraft) -> Path:
-    """The aircraft's own JSBSim file or the wheel's: ``<root>/<folder of aircraft>/<name>/<name>.xml``."""
-    aircraft_root = aircraft.folder.parent if aircraft.model.files == "own" else Path(jsbsim.get_default_root_dir()) / "aircraft"
-    return aircraft_root / aircraft.model.name / f"{aircraft.model.name}.xml"
+    """The aircraft's own JSBSim file or the wheel's."""
+    return model_path(aircraft.model.files, aircraft.model.name, aircraft.folder)
 
 
 def node(fdm: jsbsim.FGFDMExec, name: str) -> jsbsim.FGPropertyNode:
@@ -80,6 +93,24 @@ class Trim(NamedTuple):
 
 def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, height_m: float, climb_rad: float = 0.0) -> Trim:
     """Trim at a true airspeed and a height above the ground, level unless told to climb. Raises ``TrimFailedError``."""
+    if aircraft.model.start == "settled":
+        return _trim_settled(fdm, aircraft, speed_mps, height_m, climb_rad)
+    _make_ready(fdm, aircraft, speed_mps, height_m, climb_rad)
+    fdm.run_ic()
+    fdm["propulsion/set-running"] = -1
+    fdm["propulsion/fuel_freeze"] = 1
+    if not _trims(fdm):
+        raise TrimFailedError(_no_trim(speed_mps, height_m, climb_rad))
+    return Trim(fdm["fcs/throttle-cmd-norm"], fdm["aero/alpha-rad"])
+
+
+def _no_trim(speed_mps: float, height_m: float, climb_rad: float) -> str:
+    straight = f"trim in a climb of {climb_rad / DEG:.1f} deg" if climb_rad else "level trim"
+    return f"no {straight} at {speed_mps:g} m/s, {height_m:.0f} m"
+
+
+def _make_ready(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, height_m: float, climb_rad: float) -> None:
+    """Everything before the first ``run_ic``."""
     set_ = fdm.__setitem__
     fdm["atmosphere/turb-type"] = 0
     fdm["ic/terrain-elevation-ft"] = 0.0
@@ -91,13 +122,47 @@ def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, heig
         set_(f"fcs/mixture-cmd-norm[{i}]", aircraft.model.mixture)
         set_(f"fcs/advance-cmd-norm[{i}]", 1.0)
     fdm["propulsion/magneto_cmd"] = 3
-    fdm.run_ic()
-    fdm["propulsion/set-running"] = -1
-    fdm["propulsion/fuel_freeze"] = 1
-    if not _trims(fdm):
-        straight = f"trim in a climb of {climb_rad / DEG:.1f} deg" if climb_rad else "level trim"
-        raise TrimFailedError(f"no {straight} at {speed_mps:g} m/s, {height_m:.0f} m")
-    return Trim(fdm["fcs/throttle-cmd-norm"], fdm["aero/alpha-rad"])
+
+
+@dataclass(frozen=True)
+class _Case:
+    """What a settled trim depends on; the aircraft itself has no hash, ``key`` stands for it."""
+
+    aircraft: Aircraft = field(compare=False)
+    key: tuple[object, ...]
+    hz: int
+    speed_mps: float
+    height_m: float
+    climb_rad: float
+
+    def ready(self) -> jsbsim.FGFDMExec:
+        fdm = load_model(self.aircraft, self.hz)
+        _make_ready(fdm, self.aircraft, self.speed_mps, self.height_m, self.climb_rad)
+        return fdm
+
+
+@lru_cache(maxsize=512)
+def _balance(case: _Case) -> Balance | str:
+    """The balance, found once for all flights of a process that start alike; or why there is none."""
+    try:
+        return find_balance(case.ready, case.speed_mps, case.climb_rad)
+    except TrimFailedError as error:
+        return f"{_no_trim(case.speed_mps, case.height_m, case.climb_rad)}: {error}"
+
+
+def _trim_settled(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, height_m: float, climb_rad: float) -> Trim:
+    """The balance is sought on executives of its own, so that a flight starts alike whether it was known or not."""
+    model, file = aircraft.model, model_file(aircraft)
+    key = (file, file.stat().st_mtime_ns, model.gear_up, model.mixture, tuple(sorted(model.factors.items())))
+    balance = _balance(_Case(aircraft, key, round(1.0 / fdm.get_delta_t()), speed_mps, height_m, climb_rad))
+    if isinstance(balance, str):
+        raise TrimFailedError(balance)
+    _make_ready(fdm, aircraft, speed_mps, height_m, climb_rad)
+    start_engines(fdm)
+    fdm["ic/long-gc-deg"] = longitude_deg()
+    put(fdm, speed_mps, climb_rad, balance)
+    hold(fdm, HOLD_S)
+    return Trim(balance.throttle, balance.alpha)
 
 
 def _trims(fdm: jsbsim.FGFDMExec) -> bool:
@@ -119,6 +184,12 @@ def spool_up(
     climb = math.asin(max(-1.0, min(1.0, start.tangent[2])))
     if abs(climb) < FLAT_RAD:
         return fdm, level
+    if aircraft.model.start == "settled":
+        try:
+            climbing = trim_level(fdm, aircraft, start.speed, height_m, climb)
+        except TrimFailedError:  # nothing was done to the executive yet
+            return fdm, level
+        return fdm, Trim(level.throttle, climbing.alpha)
     fdm["ic/gamma-rad"] = climb
     fdm.run_ic()
     if _trims(fdm):
@@ -152,8 +223,11 @@ def issue(fdm: jsbsim.FGFDMExec, start: Start, alpha_trim: float, alpha_extra: f
     return load_factor, fdm["accelerations/Nz"]
 
 
-def begin(fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float, feed: GustFeed | None = None) -> None:
-    """Two probes give the lift slope; the third start has the angle of attack that the path's load factor needs, and the gusts."""
+def begin(fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float, feed: GustFeed | None = None, settle_s: float = 0.0) -> None:
+    """Two probes give the lift slope; the third start has the angle of attack that the path's load factor needs, and the gusts.
+
+    ``settle_s``: for so long the aircraft is held in that state, for engines that a start sets back.
+    """
     probe = 1.0 * DEG
     wanted, low = issue(fdm, start, trim.alpha, 0.0, height_m)
     _, high = issue(fdm, start, trim.alpha, probe, height_m)
@@ -161,3 +235,5 @@ def begin(fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float, feed
     if feed is not None:
         feed.write(0.0, start.pos)
     issue(fdm, start, trim.alpha, max(-5.0 * DEG, min(5.0 * DEG, extra)), height_m)
+    if settle_s:
+        hold(fdm, settle_s)

@@ -1,0 +1,76 @@
+"""Where JSBSim finds an aircraft's model and what that is made of, without loading JSBSim: files, engines, what is missing."""
+
+from collections.abc import Iterator
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+INCLUDED = ("mass_balance", "ground_reactions", "external_reactions", "buoyant_forces", "propulsion", "system", "autopilot")
+INCLUDED += ("flight_control", "aerodynamics")
+"""Sections that may be in a file of their own."""
+
+
+class Missing(NamedTuple):
+    """A file that a model names and that is nowhere where JSBSim looks. ``what``: engine, thruster, or the section."""
+
+    what: str
+    name: str
+
+
+@cache
+def wheel_root() -> Path:
+    """The folder that JSBSim's wheel has its ``aircraft/``, ``engine/`` and ``systems/`` in."""
+    found = find_spec("jsbsim")
+    assert found is not None, "jsbsim is a dependency"
+    assert found.submodule_search_locations, "it is a package"
+    return Path(found.submodule_search_locations[0])
+
+
+def wheel_models() -> list[str]:
+    """Names of the models that the wheel ships, sorted."""
+    return sorted(folder.name for folder in (wheel_root() / "aircraft").iterdir() if (folder / f"{folder.name}.xml").is_file())
+
+
+def model_path(files: str, name: str, folder: Path) -> Path:
+    """The JSBSim file of an aircraft whose ``aircraft.yaml`` is in ``folder``: there, or in the wheel."""
+    return folder / f"{name}.xml" if files == "own" else wheel_root() / "aircraft" / name / f"{name}.xml"
+
+
+def read_xml(file: Path) -> Element:
+    """The root of a model file. Raises ``ElementTree.ParseError``."""
+    return ElementTree.parse(file).getroot()
+
+
+def engines(model: Element, file: Path) -> int:
+    """How many engines it has, those of a propulsion file of its own included."""
+    return sum(1 for section in _sections(model, file) for _ in section.iter("engine"))
+
+
+def missing_files(model: Element, file: Path) -> list[Missing]:
+    """Files that the model, or a section in a file of its own, names in vain."""
+    lost: dict[Missing, None] = {}
+    for part in [model, *_sections(model, file)]:
+        for element in part.iter():
+            name, what = element.get("file"), str(element.tag)
+            if name and what in ("engine", "thruster", *INCLUDED) and _found(name, file) is None:
+                lost[Missing(what, name)] = None
+    return list(lost)
+
+
+def _sections(model: Element, file: Path) -> Iterator[Element]:
+    """The propulsion of the model, wherever it is written."""
+    for section in model.findall("propulsion"):
+        named = section.get("file")
+        path = _found(named, file) if named else None
+        yield read_xml(path) if path else section
+
+
+def _found(name: str, file: Path) -> Path | None:
+    """A file by its name, with or without ``.xml``, in the places where JSBSim looks for parts of the model ``file``."""
+    root = file.parents[2] if len(file.parents) > 2 else file.parent
+    places = (file.parent, *(file.parent / folder for folder in ("Engines", "Systems")), root / "engine", root / "systems")
+    names = (name,) if name.endswith(".xml") else (f"{name}.xml", name)
+    return next((path for place in places for one in names if (path := place / one).is_file()), None)
