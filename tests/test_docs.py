@@ -4,7 +4,7 @@ import importlib.util
 import re
 from pathlib import Path
 
-from testbed.flight.signals import SIGNALS
+from testbed.flight.record.signals import SIGNALS
 from testbed.results.columns import COLUMNS
 
 DOCS = Path(__file__).parents[1] / "docs"

@@ -6,8 +6,8 @@ import numpy as np
 
 from testbed.campaign.words.route import Random, Swerve
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.courses import Ends, bends, course
-from testbed.flight.path import ActivePath
+from testbed.flight.route.courses import Ends, bends, course
+from testbed.flight.route.path import ActivePath
 from vosc import ph
 
 

@@ -16,7 +16,7 @@ from testbed.airframe.loops import ClosedLoop, lateral, pitch
 from testbed.airframe.trim import TrimPoint, lift_curve, stall_speed, steepest_climb, trim_table
 from testbed.airframe.tune import surface_lags
 from testbed.core.units import DEG
-from testbed.flight.aircraft import Aircraft, load_aircraft
+from testbed.flight.plants.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.rig import HEIGHT_M, Rig
 
 SPEEDS = 6

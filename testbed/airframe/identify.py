@@ -11,7 +11,7 @@ from testbed.airframe.trial import GUIDANCE_HZ, PLANT_HZ, STILL, hold
 from testbed.core.frames import Vec3
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.air import CALM
-from testbed.flight.aircraft import Aircraft
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Command, State
 from testbed.flight.plants.rig import Controls, Rig
 

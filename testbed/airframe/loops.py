@@ -16,7 +16,7 @@ import numpy as np
 
 from testbed.airframe.linearise import LinearModel, respond
 from testbed.core.units import G0_MPS2
-from testbed.flight.aircraft import AutopilotGains
+from testbed.flight.plants.aircraft import AutopilotGains
 
 Array = np.ndarray
 FREQUENCIES_RAD_S = np.geomspace(0.2, 120.0, 90)

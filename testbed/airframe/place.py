@@ -13,7 +13,7 @@ import numpy as np
 from testbed.airframe.linearise import LinearModel, respond, roll_in_one_degree
 from testbed.airframe.loops import ClosedLoop, elevator_per_load_factor, lateral, pitch, slip_per_rudder
 from testbed.core.units import DEG
-from testbed.flight.aircraft import AutopilotGains
+from testbed.flight.plants.aircraft import AutopilotGains
 
 MOST_SENSITIVITY = 1.4  # gain margin 3.5, phase margin 42 deg at least
 MOST_OVERSHOOT = 0.03

@@ -11,7 +11,7 @@ from testbed.airframe.identify import bank_step, load_factor_step, speed_step
 from testbed.airframe.linearise import LATERAL, LONGITUDINAL, LinearModel, respond
 from testbed.airframe.trim import LiftCurve
 from testbed.core.units import DEG
-from testbed.flight.aircraft import Aircraft
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.rig import Controls, Rig
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ from scipy.spatial import cKDTree
 
 from testbed.core.frames import Vec3
 from testbed.flight.air import AirModel
-from testbed.flight.aircraft import Aircraft
 from testbed.flight.guidance.law import SpeedHold
 from testbed.flight.guidance.look_ahead import LookAheadLaw
-from testbed.flight.path import ActivePath
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Command, Start, State
 from testbed.flight.plants.jsbsim import JsbsimPlant
+from testbed.flight.route.path import ActivePath
 
 Array = np.ndarray
 PLANT_HZ, GUIDANCE_HZ = 120, 60

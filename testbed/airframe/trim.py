@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from testbed.core.units import DEG
-from testbed.flight.aircraft import Aircraft
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import TrimFailedError
 from testbed.flight.plants.rig import Controls, Reaction, Rig, level
 

@@ -35,7 +35,7 @@ from testbed.airframe.place import place_lateral, place_pitch, roll_rate_limit, 
 from testbed.airframe.trial import follow
 from testbed.airframe.trim import fastest_level, lift_curve, stall_speed, steepest_climb, trim
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.aircraft import Aircraft, load_aircraft
+from testbed.flight.plants.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.rig import Rig
 
 Array = np.ndarray

@@ -7,12 +7,12 @@ from typing import Any
 from testbed.campaign.words.settings import FlightPlan
 from testbed.contracts.promise import Promise, first_broken
 from testbed.core.units import DEG
-from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import fly
 from testbed.flight.guidance.law import GuidanceSetting, Law, SpeedHold
-from testbed.flight.path import ActivePath
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.base import Command, State
 from testbed.flight.record import Outcome
+from testbed.flight.route.path import ActivePath
 from vosc import ph
 
 AIRCRAFT, SPEED_MPS, DT_S = "gtm_t2", 50.0, 1.0 / 60.0

@@ -14,7 +14,7 @@ SETTLED_M = 1e-2  # a last step this short leaves an error of curvature times it
 
 
 class Chain:
-    """A path of one or more pieces. Everything here is exact; ``testbed.flight.path`` has the fast table for the loop."""
+    """A path of one or more pieces. Everything here is exact; ``testbed.flight.route.path`` has the fast table for the loop."""
 
     def __init__(self, curves: Sequence[ph.Curve]) -> None:
         self.curves = tuple(curves)

@@ -15,14 +15,14 @@ from typing import Any, NamedTuple
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core import registry
 from testbed.core.seeds import stream
-from testbed.flight.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.guidance.law import GuidanceSetting, Law, SpeedHold
 from testbed.flight.log import FlightLog, finish
-from testbed.flight.path import ActivePath, Path
 from testbed.flight.planning.context import Planner, make_context
 from testbed.flight.planning.own import asked
+from testbed.flight.plants.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.plants.base import Plant, PlantSetting, Start, State, TrimFailedError
 from testbed.flight.record import FlightRecord, Outcome
+from testbed.flight.route.path import ActivePath, Path
 from testbed.flight.scene import Scene, make_scene
 from testbed.flight.sensing.base import NOTHING, Sensor, SensorContext
 from testbed.flight.variation import varied

@@ -9,9 +9,9 @@ from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import quat_xyzw_from_euler
 from testbed.flight.guidance.law import Telemetry
-from testbed.flight.path import ActivePath, Path
 from testbed.flight.plants.base import Plant, State
 from testbed.flight.record import ANSWERED, FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
+from testbed.flight.route.path import ActivePath, Path
 from testbed.flight.scene import Scene
 from testbed.flight.traffic.track import least_clearance
 

@@ -12,7 +12,7 @@ from testbed.core.frames import Vec3, unit_from_direction, vec3
 from testbed.core.seeds import stream
 from testbed.core.units import DEG
 from testbed.flight.air import CALM, AirModel, Wind, make_air, make_wind
-from testbed.flight.courses import route_pieces
+from testbed.flight.route.courses import route_pieces
 from testbed.flight.traffic.schedule import Schedule, anchored, planned_time
 from testbed.flight.traffic.straight import shifted
 from testbed.flight.traffic.track import Track, TrackSetting, Traffic

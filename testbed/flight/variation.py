@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.seeds import stream
-from testbed.flight.aircraft import Aircraft, AutopilotGains, GuidanceGains, load_aircraft
+from testbed.flight.plants.aircraft import Aircraft, AutopilotGains, GuidanceGains, load_aircraft
 
 # what aircraft.yaml says; a dot leads into a section
 DERIVATIVES = ("point_mass.drag_lift", "point_mass.drag_zero")

@@ -7,9 +7,9 @@ import numpy as np
 
 from testbed.core.units import DEG
 from testbed.flight.air import make_wind
-from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import GOAL_GATE_M
 from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.record import FlightRecord, Outcome, PlannedPath
 from testbed.flight.traffic.schedule import arc_lengths, planned_time
 from testbed.flight.traffic.track import least_clearance

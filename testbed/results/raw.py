@@ -21,7 +21,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from testbed.flight.record import FlightRecord
-from testbed.flight.signals import flat
+from testbed.flight.record.signals import flat
 from testbed.results.plain import plain
 
 KEPT = ("time_s", "own.pos_enu_m", "own.vel_enu_mps", "air.wind_enu_mps")

@@ -7,8 +7,8 @@ import statistics
 from time import perf_counter
 
 from testbed.campaign.words.settings import FlightPlan
-from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import fly, start_of
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.jsbsim import JsbsimPlant
 from testbed.flight.scene import make_scene
 

@@ -10,11 +10,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import testbed
 import vosc
 from testbed.core.catalogue import AIRCRAFT_ROOT, DATA, aircraft_folders
 
 DISTRIBUTION = "vosc-testbed"
+PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def versions() -> dict[str, str]:
@@ -27,7 +27,7 @@ def versions() -> dict[str, str]:
 def code_hash() -> str:
     """Of every file of the packages and of their aircraft, committed or not: a changed tree is another code."""
     digest = hashlib.sha256()
-    for folder in (Path(testbed.__file__).parent, Path(vosc.__file__).parent, AIRCRAFT_ROOT):
+    for folder in (PACKAGE, Path(vosc.__file__).parent, AIRCRAFT_ROOT):
         for file in _sources(folder):
             content = file.read_bytes()
             digest.update(f"{folder.name}/{file.relative_to(folder).as_posix()} {len(content)}\n".encode() + content)

@@ -7,7 +7,7 @@ import pytest
 
 from testbed.airframe.courses import random_path, swerve, turn_radius
 from testbed.core.units import DEG
-from testbed.flight.path import ActivePath
+from testbed.flight.route.path import ActivePath
 
 
 def curvature(path: ActivePath) -> np.ndarray:

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 from testbed.airframe.identify import full_control, servo_lag_s, thrust_lag_s
 from testbed.airframe.linearise import LATERAL, LONGITUDINAL, Mode, linearise, modes, respond
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.aircraft import Aircraft, load_aircraft
+from testbed.flight.plants.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.jsbsim_start import load_model
 from testbed.flight.plants.rig import Controls, Rig
 

@@ -8,7 +8,7 @@ import pytest
 from testbed.airframe.linearise import linearise
 from testbed.airframe.loops import ClosedLoop, elevator_per_load_factor, lateral, pitch
 from testbed.airframe.place import MOST_SENSITIVITY, place_lateral, place_pitch, search
-from testbed.flight.aircraft import load_aircraft
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.rig import Rig
 
 LAGS = (0.04, 0.0, 0.0125)

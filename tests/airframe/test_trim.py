@@ -6,7 +6,7 @@ import pytest
 
 from testbed.airframe.trim import fastest_level, lift_curve, stall_speed, steepest_climb, trim, trim_table
 from testbed.core.units import DEG
-from testbed.flight.aircraft import load_aircraft
+from testbed.flight.plants.aircraft import load_aircraft
 
 GTM = load_aircraft("gtm_t2")
 

@@ -14,9 +14,9 @@ from testbed.airframe.trial import follow
 from testbed.airframe.trim import steepest_climb
 from testbed.core.frames import wind_enu_from_compass
 from testbed.core.units import DEG
-from testbed.flight.aircraft import load_aircraft
-from testbed.flight.path import ActivePath
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.rig import Rig
+from testbed.flight.route.path import ActivePath
 from tests.plans import PAPER_ROUTE
 from vosc import ph
 

@@ -10,7 +10,7 @@ import pytest
 
 from testbed import fly
 from testbed.core.catalogue import AIRCRAFT_ROOT, PATH_VARIABLE, add_aircraft_path, aircraft_beside, aircraft_folders
-from testbed.flight.aircraft import load_aircraft
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.run.identity import code_hash, guests
 from tests.plans import plan
 

@@ -7,8 +7,8 @@ import pytest
 
 from testbed.core.chain import FEW, Chain
 from testbed.core.units import DEG
-from testbed.flight.courses import route_pieces
-from testbed.flight.path import ActivePath
+from testbed.flight.route.courses import route_pieces
+from testbed.flight.route.path import ActivePath
 from tests.plans import plan
 from vosc import ph
 

@@ -8,8 +8,8 @@ from pydantic import ValidationError
 
 from testbed import fly, measure
 from testbed.core.units import DEG
-from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import start_of
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.jsbsim import JsbsimPlant
 from testbed.flight.plants.jsbsim_start import issue, load_model, trim_level
 from testbed.flight.record import FlightRecord

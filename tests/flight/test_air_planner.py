@@ -8,13 +8,13 @@ import pytest
 from testbed import fly, measure
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.frames import vec3, wind_enu_from_compass
-from testbed.flight.aircraft import load_aircraft
 from testbed.flight.fly import make_law, make_planner, make_plant, make_sensor, sensor_context, start_of
-from testbed.flight.path import ActivePath
 from testbed.flight.planning.context import Context, make_context
 from testbed.flight.planning.rejoin import resized
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.base import State
 from testbed.flight.record import ReplanEvent
+from testbed.flight.route.path import ActivePath
 from testbed.flight.scene import make_scene
 from tests.plans import KINEMATIC, paper_obstacle, plan
 from vosc import ph

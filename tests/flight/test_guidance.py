@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.aircraft import load_aircraft
 from testbed.flight.guidance.l1 import L1Law
 from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED, SpeedHold
 from testbed.flight.guidance.look_ahead import LookAheadLaw
-from testbed.flight.path import STEP_M, ActivePath
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, State
+from testbed.flight.route.path import STEP_M, ActivePath
 from vosc import ph
 
 LEVEL = State(0, 0, 0, 50, 0, 0, 0, 0.05, math.pi / 2, 1.0, 50, 0.05, 0, 0, 0, 0, 0.4, 0, 0, 0)

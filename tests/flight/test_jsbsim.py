@@ -7,7 +7,7 @@ import pytest
 
 from testbed import fly, measure
 from testbed.core.units import DEG
-from testbed.flight.aircraft import load_aircraft
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.jsbsim_start import load_model, node, trim_level
 from testbed.flight.record import FlightRecord, Outcome
 from tests.plans import C172P, GTM, PAPER_ROUTE, paper_obstacle, plan

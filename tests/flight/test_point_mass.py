@@ -12,7 +12,7 @@ from testbed.campaign.words.settings import Air
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.air import Wind, make_wind
 from testbed.flight.air.gusts import make_gust
-from testbed.flight.aircraft import Aircraft, idealised, load_aircraft
+from testbed.flight.plants.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.plants.base import Command, Start, State
 from testbed.flight.plants.point_mass import PointMassPlant
 from tests.plans import C172P, GTM, paper_obstacle, plan

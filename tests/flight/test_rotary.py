@@ -15,8 +15,8 @@ from testbed.core.units import FT
 from testbed.flight.air import AirModel, field
 from testbed.flight.air.dryden import SERIES_HZ, dryden, dryden_series
 from testbed.flight.air.rotary import rotary_series, rotary_spectra, sigma_roll
-from testbed.flight.aircraft import Aircraft, load_aircraft
 from testbed.flight.fly import start_of
+from testbed.flight.plants.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.jsbsim import JsbsimPlant
 from testbed.flight.plants.jsbsim_model import AERO_RATES, IN_ROTATING_AIR, ROTARY_GUST, read_model
 from testbed.flight.plants.jsbsim_start import load_model, model_file, node

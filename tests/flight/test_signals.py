@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from testbed import fly
-from testbed.flight.signals import OBSTACLE, SIGNALS, signal_of
+from testbed.flight.record.signals import OBSTACLE, SIGNALS, signal_of
 from tests.plans import KINEMATIC, paper_obstacle, plan
 
 UNITS = {"_mps": "m/s", "_radps": "rad/s", "_rad": "rad", "_s": "s", "_m": "m"}

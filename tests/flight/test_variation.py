@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from testbed import fly, measure
 from testbed.airframe.linearise import LATERAL, LONGITUDINAL, linearise
 from testbed.campaign.reading.expand import flight_id
-from testbed.flight.aircraft import Aircraft, load_aircraft
+from testbed.flight.plants.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.jsbsim_model import read_model
 from testbed.flight.plants.jsbsim_start import load_model, model_file, trim_level
 from testbed.flight.plants.rig import Rig

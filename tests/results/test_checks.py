@@ -13,8 +13,8 @@ from testbed import expand, fly, load_campaign, measure
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.units import DEG
 from testbed.flight.air.dryden import autocorrelation
-from testbed.flight.aircraft import Aircraft
 from testbed.flight.plants import jsbsim
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.traffic import track as traffic
 from testbed.results.checks import CHECKS, CheckResult, Flown, csv_bytes, evidence, judge

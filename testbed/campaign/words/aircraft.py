@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from testbed.campaign.words.base import NonNegative, Number, Positive, Section
+from testbed.core.section import NonNegative, Number, Positive, Section
 
 
 class Model(Section):

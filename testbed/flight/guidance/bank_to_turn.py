@@ -3,8 +3,8 @@
 import math
 
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.aircraft import Limits
 from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED
+from testbed.flight.plants.aircraft import Limits
 
 LEAST_LIFT_MPS2 = 2.0  # below this the bank command would be singular (push-over through zero g)
 UNLOAD = 8.0  # load factor given up per share of speed lost near the least speed

@@ -11,11 +11,11 @@ aiming ahead, and knows neither the curvature nor the lag of the aircraft.
 import math
 
 from testbed.core.units import G0_MPS2
-from testbed.flight.aircraft import Aircraft
 from testbed.flight.guidance.bank_to_turn import BankToTurn
 from testbed.flight.guidance.law import GuidanceSetting, Memory, SpeedHold, Telemetry
-from testbed.flight.path import Path
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Command, State
+from testbed.flight.route.path import Path
 
 
 class L1Law:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from testbed.flight.aircraft import Aircraft
-from testbed.flight.path import Path
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Command, State
+from testbed.flight.route.path import Path
 
 CATCH_UP_1PS = 0.5  # airspeed added per metre behind the schedule ...
 CATCH_UP_SHARE = 0.06  # ... up to this share of the set speed

@@ -11,11 +11,11 @@ the command.
 import math
 
 from testbed.core.units import G0_MPS2
-from testbed.flight.aircraft import Aircraft
 from testbed.flight.guidance.bank_to_turn import BankToTurn
 from testbed.flight.guidance.law import GuidanceSetting, Memory, SpeedHold, Telemetry
-from testbed.flight.path import Path
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Command, State, make
+from testbed.flight.route.path import Path
 
 INTEGRAL_LIMIT_MPS2 = 3.0
 STEEPEST_RETURN = 0.5  # sine of the angle at which a far-off path is approached: beyond it the error no longer adds to the demand

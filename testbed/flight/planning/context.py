@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -12,13 +12,15 @@ from testbed.core import registry
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
 from testbed.core.seeds import stream
-from testbed.flight.aircraft import Aircraft, Limits
-from testbed.flight.path import Path
+from testbed.flight.plants.aircraft import Aircraft, Limits
 from testbed.flight.plants.base import State
 from testbed.flight.record import ReplanEvent
-from testbed.flight.scene import Scene
+from testbed.flight.route.path import Path
 from testbed.flight.sensing.base import Seen
 from vosc.vec import add
+
+if TYPE_CHECKING:
+    from testbed.flight.scene import Scene
 
 STILL: Vec3 = (0.0, 0.0, 0.0)
 
@@ -81,7 +83,7 @@ class Planner(Protocol):
         """One look of a flight that is at ``s_m`` of ``path``; while the path is one that does not last, at the guidance rate."""
 
 
-def make_context(plan: FlightPlan, scene: Scene, aircraft: Aircraft) -> Context:
+def make_context(plan: FlightPlan, scene: "Scene", aircraft: Aircraft) -> Context:
     """What the planner of a plan is told."""
     return Context(
         route=scene.route,
@@ -100,7 +102,7 @@ def make_context(plan: FlightPlan, scene: Scene, aircraft: Aircraft) -> Context:
     )
 
 
-def _wind_known(plan: FlightPlan, scene: Scene) -> Callable[[float, Vec3], Vec3]:
+def _wind_known(plan: FlightPlan, scene: "Scene") -> Callable[[float, Vec3], Vec3]:
     """All of the mean wind, or with the error of an estimate: horizontal, one for the flight, for every method, plant and aircraft."""
     known, mean, error = plan.replan.wind_known, scene.air.mean, STILL
     if known == "none":

@@ -1,12 +1,15 @@
 """When a flight past its obstacles is decided, so that the rest of it need not be flown."""
 
 import math
+from typing import TYPE_CHECKING
 
-from testbed.flight.path import Path
 from testbed.flight.planning.rejoin import miss_along, opens
 from testbed.flight.plants.base import State
 from testbed.flight.record import inside
-from testbed.flight.scene import Scene
+from testbed.flight.route.path import Path
+
+if TYPE_CHECKING:
+    from testbed.flight.scene import Scene
 
 
 class Decided:
@@ -14,7 +17,7 @@ class Decided:
     present speed over the ground, keeps every radius. It ends a flight, it plans none: so it is told the truth.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: "Scene") -> None:
         self._traffic = scene.traffic
 
     def __call__(self, time_s: float, state: State, path: Path, s_m: float) -> bool:

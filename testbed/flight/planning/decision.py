@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from testbed.campaign.words.planning import Replan
 from testbed.core.frames import Vec3, vec3
-from testbed.flight.path import ActivePath
 from testbed.flight.record import Decision, ReplanEvent
+from testbed.flight.route.path import ActivePath
 from testbed.flight.sensing.base import Seen
 from vosc import Insertion, Obstacle, Own, Threat, cap, threat
 from vosc.methods import Avoidance

@@ -15,12 +15,12 @@ import numpy as np
 
 from testbed.core.chain import FEW, Chain
 from testbed.core.frames import Vec3, vec3
-from testbed.flight.path import ActivePath, Path
 from testbed.flight.planning.context import Context, Planner, Step
 from testbed.flight.planning.decision import NAN, NOWHERE, Sighting, make_event
 from testbed.flight.planning.rejoin import joined, miss_along
 from testbed.flight.plants.base import State
 from testbed.flight.record import Decision, ReplanEvent
+from testbed.flight.route.path import ActivePath, Path
 from testbed.flight.sensing.base import Seen
 from vosc import Own, ph
 from vosc.vec import norm, sub

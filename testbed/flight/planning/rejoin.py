@@ -14,9 +14,9 @@ import numpy as np
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.path import ActivePath
 from testbed.flight.planning.context import Context
 from testbed.flight.plants.base import State
+from testbed.flight.route.path import ActivePath
 from testbed.flight.sensing.base import Seen
 from testbed.flight.traffic.track import least_clearance
 from vosc import ph

@@ -30,7 +30,6 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from testbed.core.frames import Vec3, vec3
-from testbed.flight.path import ActivePath, Path
 from testbed.flight.planning.context import STILL, Answer, Context, Step
 from testbed.flight.planning.decision import Sighting, carried, make_event
 from testbed.flight.planning.rejoin import Rejoin, joined, miss_along, ray
@@ -38,6 +37,7 @@ from testbed.flight.planning.steering import SteeringLaw, arc
 from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.base import State
 from testbed.flight.record import Decision
+from testbed.flight.route.path import ActivePath, Path
 from testbed.flight.sensing.base import Seen
 from vosc import Insertion, Own, insertion_point
 from vosc.methods import Avoidance, Status, avoid

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple, Protocol
 
 from testbed.core.frames import Vec3
 from testbed.core.units import DEG
-from testbed.flight.path import Arc
 from testbed.flight.planning.context import Context
 from testbed.flight.plants.base import State
+from testbed.flight.route.path import Arc
 from testbed.flight.sensing.base import Seen
 from vosc.vec import along, combine, dot, norm, scale, three, unit
 

@@ -8,7 +8,7 @@ from dataclasses import make_dataclass
 from typing import NamedTuple
 
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.aircraft import Aircraft, AutopilotGains
+from testbed.flight.plants.aircraft import Aircraft, AutopilotGains
 from testbed.flight.plants.base import Command, State, make
 
 

@@ -7,7 +7,7 @@ from testbed.core.frames import Vec3
 
 if TYPE_CHECKING:
     from testbed.flight.air import AirModel
-    from testbed.flight.aircraft import Aircraft
+    from testbed.flight.plants.aircraft import Aircraft
 
 make = tuple.__new__  # what a NamedTuple's own constructor ends in, at a quarter of its cost; for the tuples made 60 times a second
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from testbed.core.units import FT
 from testbed.flight.air import AirModel
-from testbed.flight.aircraft import Aircraft
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, Followable, PlantSetting, Start, State, make
 from testbed.flight.plants.jsbsim_air import WIND, GustFeed, rates_in_air, switch_on

@@ -17,7 +17,7 @@ from testbed.core.frames import Vec3, body_rates, enu_from_wind_axes, euler_from
 from testbed.core.model_files import model_path
 from testbed.core.units import DEG, FT
 from testbed.flight.air import ground_speed_along
-from testbed.flight.aircraft import Aircraft
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Start, TrimFailedError
 from testbed.flight.plants.jsbsim_air import GustFeed
 from testbed.flight.plants.jsbsim_model import changed_root

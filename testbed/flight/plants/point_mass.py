@@ -33,7 +33,7 @@ from typing import Any
 from testbed.core.frames import Vec3
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.air import Wind, ground_speed_along
-from testbed.flight.aircraft import Aircraft
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Command, Followable, PlantSetting, Start, State
 from testbed.flight.plants.kinematic import coordinated
 

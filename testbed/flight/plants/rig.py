@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from testbed.core.units import FT
-from testbed.flight.aircraft import Aircraft
+from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.jsbsim_start import load_model, node, trim_level
 
 Array = np.ndarray

@@ -10,7 +10,7 @@ import numpy as np
 from testbed.campaign.words.check import Energy, ExcessPower
 from testbed.core.catalogue import aircraft_folders
 from testbed.core.units import DEG, FT, G0_MPS2
-from testbed.flight.aircraft import load_aircraft
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.record import FlightRecord
 from testbed.results.checks.modes import lagged
 from testbed.results.checks.verdict import CheckResult, Evidence, Flown, flown_by

@@ -5,7 +5,7 @@ import rerun as rr
 
 from testbed.core.units import DEG
 from testbed.flight.record import NEW_PATH, FlightRecord, Outcome, inside
-from testbed.flight.signals import flat
+from testbed.flight.record.signals import flat
 from testbed.show import palette, words
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline

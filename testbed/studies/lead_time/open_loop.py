@@ -25,9 +25,9 @@ from testbed.campaign.words.planning import MethodSpec
 from testbed.campaign.words.settings import FlightPlan
 from testbed.campaign.words.study import StudySpec
 from testbed.core.units import DEG
-from testbed.flight.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.fly import make_plant, start_of
 from testbed.flight.guidance.bank_to_turn import BankToTurn
+from testbed.flight.plants.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.plants.base import Command, TrimFailedError
 from testbed.flight.record import inside
 from testbed.flight.scene import Scene, make_scene

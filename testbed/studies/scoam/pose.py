@@ -17,7 +17,7 @@ import numpy as np
 from testbed.airframe.courses import turn_radius_at
 from testbed.core.frames import Vec3, vec3
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.aircraft import Limits
+from testbed.flight.plants.aircraft import Limits
 from testbed.flight.plants.kinematic import coordinated
 from testbed.flight.record import ReplanEvent
 from vosc import Join, widest_join

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from testbed.core.units import G0_MPS2
-from testbed.flight.aircraft import load_aircraft
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.studies.lead_time.encounter import Encounter, drawn
 from testbed.studies.lead_time.open_loop import Manoeuvres, best_clearance, best_lead, manoeuvres, steps
 from tests.studies.lead_time.studies import HEAD_WIND, RAILS, study

@@ -7,7 +7,7 @@ import pytest
 
 from testbed.airframe.courses import turn_radius, turn_radius_at
 from testbed.core.frames import unit_from_direction
-from testbed.flight.aircraft import load_aircraft
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.studies.scoam.pose import pose_reach
 
 G0 = 9.80665

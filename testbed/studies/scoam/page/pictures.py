@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from testbed.core.catalogue import aircraft_folders
-from testbed.flight.aircraft import load_aircraft
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.results.rows import collided, value
 from testbed.show import palette
 from testbed.show.answer import Row

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import Any, Protocol
 
-from testbed.flight.aircraft import Limits, load_aircraft
+from testbed.flight.plants.aircraft import Limits, load_aircraft
 from testbed.flight.record import Decision, ReplanEvent
 from testbed.studies.scoam.verdict.select import Row, number
 

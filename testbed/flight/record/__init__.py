@@ -1,0 +1,31 @@
+"""What comes out of a flight."""
+
+from testbed.flight.record.outcome import (
+    ANSWERED,
+    AVOIDING,
+    LOST,
+    NEW_PATH,
+    TOUCH_M,
+    Decision,
+    Outcome,
+    inside,
+    kept_and_flew_on,
+    kept_clear,
+)
+from testbed.flight.record.record import FlightRecord, PlannedPath, ReplanEvent
+
+__all__ = [
+    "ANSWERED",
+    "AVOIDING",
+    "LOST",
+    "NEW_PATH",
+    "TOUCH_M",
+    "Decision",
+    "FlightRecord",
+    "Outcome",
+    "PlannedPath",
+    "ReplanEvent",
+    "inside",
+    "kept_and_flew_on",
+    "kept_clear",
+]

@@ -1,0 +1,1 @@
+"""The path that is flown: its shape, and a table of it for the loop."""
