@@ -6,29 +6,32 @@ bank. ``testbed tune`` then finds the gains: until it has, those in the file are
 """
 
 import math
+import re
 import shutil
+from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError
 
 from testbed.airframe.place import rounded
+from testbed.airframe.tune import PLACEHOLDER
 from testbed.airframe.trim import LiftCurve, lift_curve, stall_speed, trim
 from testbed.campaign.reading.aircraft import FILE
 from testbed.campaign.reading.problems import did_you_mean
 from testbed.campaign.words.aircraft import Aircraft, AutopilotGains, GuidanceGains, Limits, Model, PointMass
+from testbed.core.catalogue import aircraft_roots
 from testbed.core.model_files import engines, missing_files, model_path, read_xml, wheel_models
-from testbed.core.units import DEG
+from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.plants.base import TrimFailedError
-from testbed.flight.plants.rig import Rig
+from testbed.flight.plants.rig import LBF_N, Rig
 
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_\-]*")
 SLOWEST_MPS, FASTEST_MPS, RATIO = 12.0, 330.0, 1.1  # of the speeds that are tried
 LIFT_SHARE = 0.85  # of the most trimmed lift: the angle of attack that carries it is the limit
 HIGHEST_ALPHA_DEG = 15.0  # few tables of lift are measured beyond
 SLOWEST_STALLS = 1.2
 CRUISE, CRUISE_SHARE = 1.6, 0.85  # the reference airspeed: times the airspeed at which 1 g takes the angle of attack; of the fastest
 BANK_SHARE, MOST_BANK_DEG = 0.9, 60.0  # the level turn at the largest bank asks for so much of the largest load factor
-NEWTON_LB = 4.4482216152605
-G0 = 9.80665
 
 
 class NewAircraftError(Exception):
@@ -52,6 +55,18 @@ class Measured(NamedTuple):
     stall_mps: float
     alpha_max_deg: float
     has_servos: bool
+
+
+def add_aircraft(name: str, wheel: str | None, path: Path | None, speed_mps: float | None, out: Path | None) -> str:
+    """What the command does: one of ``wheel`` and ``path`` names the model. Raises ``NewAircraftError``."""
+    if (wheel is None) == (path is None):
+        raise NewAircraftError("name the model: --wheel MODEL for one that JSBSim ships, or --path for a file or folder of yours")
+    if not NAME.fullmatch(name):
+        raise NewAircraftError(f"'{name}' is no name for an aircraft: letters, digits, _ and - only")
+    if speed_mps is not None and not (math.isfinite(speed_mps) and speed_mps > 0.0):
+        raise NewAircraftError(f"--speed must be a finite number of m/s above 0, not {speed_mps:g}")
+    source = wheel_source(wheel) if wheel is not None else file_source(path or Path())
+    return new_aircraft(name, source, out or aircraft_roots()[-1], speed_mps)
 
 
 def wheel_source(name: str) -> Source:
@@ -134,8 +149,7 @@ def _measure(draft: Aircraft, asked_mps: float | None) -> Measured:
 
 def trimmed_speeds(aircraft: Aircraft) -> list[float]:
     """The speeds at which level flight trims, in whole m/s: a scan in steps of a tenth, its ends sought to 1 m/s."""
-    count = round(math.log(FASTEST_MPS / SLOWEST_MPS) / math.log(RATIO)) + 1
-    tried = [float(round(SLOWEST_MPS * RATIO**k)) for k in range(count)]
+    tried = _scan()
     good = [k for k, speed in enumerate(tried) if trim(aircraft, speed) is not None]
     if not good:
         return []
@@ -146,6 +160,11 @@ def trimmed_speeds(aircraft: Aircraft) -> list[float]:
     return sorted(set(found))
 
 
+def _scan() -> list[float]:
+    count = round(math.log(FASTEST_MPS / SLOWEST_MPS) / math.log(RATIO)) + 1
+    return [float(round(SLOWEST_MPS * RATIO**k)) for k in range(count)]
+
+
 def _edge(aircraft: Aircraft, good: float, bad: float) -> float:
     while abs(good - bad) > 1.0:
         middle = float(round(0.5 * (good + bad)))
@@ -154,12 +173,14 @@ def _edge(aircraft: Aircraft, good: float, bad: float) -> float:
 
 
 def _why(aircraft: Aircraft) -> str:
-    """Why not half way between the ends of the scan."""
-    try:
-        Rig(aircraft, float(round(math.sqrt(SLOWEST_MPS * FASTEST_MPS))))
-    except TrimFailedError as error:
-        return str(error)
-    return "not even there"
+    """The reasons, the most frequent first."""
+    reasons: Counter[str] = Counter()
+    for speed in _scan():
+        try:
+            Rig(aircraft, speed)
+        except TrimFailedError as error:
+            reasons[str(error).rpartition(": ")[2]] += 1
+    return ", ".join(f"{reason} (at {count} speeds)" for reason, count in reasons.most_common())
 
 
 def _usual_speed(aircraft: Aircraft, speeds: list[float]) -> float:
@@ -180,7 +201,7 @@ def alpha_limit_deg(curve: LiftCurve) -> float:
 
 def rule_load_factor(mass_kg: float) -> float:
     """The limit load factor of 14 CFR 23.337 (normal category): 2.1 + 24000 / (W + 10000), W in lb, at most 3.8; 2.5 at least (25.337)."""
-    weight_lb = mass_kg * G0 / NEWTON_LB
+    weight_lb = mass_kg * G0_MPS2 / LBF_N
     return max(2.5, min(3.8, 2.1 + 24000.0 / (weight_lb + 10000.0)))
 
 
@@ -240,7 +261,7 @@ def _yaml(name: str, model: Model, xml: Element, measured: Measured) -> str:
         f"  bank_deg: {max(5.0, bank):g}  # chosen: a level turn that needs {BANK_SHARE:g} of load_factor_max, {MOST_BANK_DEG:g} at most",
         "  load_factor_min: 0.2  # chosen",
         f"  load_factor_max: {load:g}  # {'chosen' if rule <= lift else 'measured'}: {why}",
-        "  roll_rate_dps: 30  # measured: nine tenths of full aileron, by tune",
+        f"  roll_rate_dps: 30  {PLACEHOLDER}",
         f"  alpha_max_deg: {measured.alpha_max_deg:g}  # measured: carries {LIFT_SHARE:g} of the most trimmed lift, {HIGHEST_ALPHA_DEG:g} at most",
         f"  alpha_max_1g_mps: {rounded(speed / math.sqrt(lift)):g}  # measured",
         f"  stall_mps: {rounded(measured.stall_mps):g}  # measured: 1 g, trimmed, 150 m above sea level",
@@ -249,9 +270,8 @@ def _yaml(name: str, model: Model, xml: Element, measured: Measured) -> str:
     for title, values in (("guidance", GUIDANCE), ("autopilot", {"reference_mps": speed, **AUTOPILOT}), ("point_mass", POINT_MASS)):
         rows.append(f"{title}:")
         for key, value in values.items():
-            mark = "chosen" if key in CHOSEN or key == "reference_mps" else "measured: by tune"
-            rows.append(f"  {key}: {value:g}  # {mark}")
-    rows += [f"gains_found_by: ''  # testbed tune {name}", "verified: false"]
+            rows.append(f"  {key}: {value:g}  {'# chosen' if key in CHOSEN or key == 'reference_mps' else PLACEHOLDER}")
+    rows += ["gains_found_by: ''  # chosen: by nobody yet", "verified: false"]
     return "\n".join(rows) + "\n"
 
 

@@ -6,13 +6,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from testbed.campaign.reading.airworthy import unfit
 from testbed.campaign.reading.axes import Level
 from testbed.campaign.reading.blocks import Block, overwritten_draws, resolved_parts, skip_problems
 from testbed.campaign.reading.document import Assignment, Document, Fault, NoSuchObstacleError, faults, faults_of
 from testbed.campaign.reading.draws import DrawError, extremes
 from testbed.campaign.reading.expand import plans_of_cells, suspects
 from testbed.campaign.reading.nodes import Tree
-from testbed.campaign.reading.problems import Problem
+from testbed.campaign.reading.problems import Problem, SpecError
 from testbed.campaign.words.grid import Draw, Part
 from testbed.campaign.words.population import NAME, Encounters, NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings
@@ -72,6 +73,11 @@ def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part) -> list[
         found: dict[Fault | str, Problem | None] = {}
         if isinstance(plan, FlightPlan):
             speeds[plan.speed_mps] = None
+            try:
+                found = {fault: document.problem(fault) for fault in unfit(plan) if fault not in problems}
+            except SpecError as error:
+                problems |= {str(problem): problem for problem in error.problems}
+                continue
             for problem in _of_draws(part.draw, block, document, plan):
                 found.setdefault(problem.path, problem)
         elif part.encounters and any(fault.message.startswith("obstacle names must differ") for fault in plan):
@@ -104,7 +110,8 @@ def _of_draws(draws: dict[str, Draw], block: Block, document: Document, plan: Fl
             made.append(Assignment(path, Tree.plain(values[min(k, len(values) - 1)], spot), name, spot, spot))
         drawn = document.assign(made)
         try:
-            FlightPlan.model_validate({**drawn.data, **who})
+            flown = FlightPlan.model_validate({**drawn.data, **who})
+            yield from (found for fault in unfit(flown) if (found := drawn.problem(fault)))
         except ValidationError as error:
             yield from (found for fault in faults_of(error) if (found := drawn.problem(fault, made)))
 

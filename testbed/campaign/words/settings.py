@@ -167,8 +167,8 @@ class Vary(Section):
 class FlightSettings(Section):
     """Everything one flight needs, apart from who it is."""
 
-    speed_mps: Annotated[Positive, Field(le=150)] = 50.0
-    """Set speed, m/s."""
+    speed_mps: Annotated[Positive, Field(le=1000)] = 50.0
+    """Set speed, m/s. Where the plant flies the aircraft, one that it can hold: `limits` of its aircraft.yaml."""
     speed_hold: Literal["airspeed", "groundspeed"] = "airspeed"
     """Which speed is held at speed_mps."""
     route: Route

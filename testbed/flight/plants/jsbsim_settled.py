@@ -69,14 +69,12 @@ def start_engines(fdm: Fdm) -> None:
     fdm["ic/vt-fps"], fdm["ic/gamma-rad"] = START_MPS / FT, 0.0
     _set_throttle(fdm, 1.0)
     fdm.run_ic()
-    if fdm.get_property_manager().get_node("propulsion/engine/volumetric-efficiency") is not None:
+    fdm["propulsion/fuel_freeze"] = 1  # a tank that is empty by the model's file starves no engine
+    fdm["propulsion/set-running"] = -1
+    if fdm.get_property_manager().get_node("propulsion/engine/volumetric-efficiency") is not None:  # a piston may have stopped again
         fdm["propulsion/magneto_cmd"], fdm["propulsion/starter_cmd"] = 3, 1
-        hold(fdm, START_S)
-        fdm["propulsion/starter_cmd"] = 0
-    else:
-        fdm["propulsion/set-running"] = -1
-        hold(fdm, START_S)
-    fdm["propulsion/fuel_freeze"] = 1
+    hold(fdm, START_S)
+    fdm["propulsion/starter_cmd"] = 0
 
 
 def put(fdm: Fdm, speed_mps: float, climb_rad: float, balance: Balance) -> None:
