@@ -31,7 +31,8 @@ def write_results(
         _lead_time(directory, about, campaign, flown, results, len(plans))
         return ()
     rows = [result.row for result in results]
-    table = tables.table(rows, tables.axis_kinds(plan.labels for plan in plans))
+    labels = [row["labels"] for row in rows] + [plan.labels for plan in plans]  # rows have the order of the axes, plans all their labels
+    table = tables.table(rows, tables.axis_kinds(labels))
     directory.put("results.csv", tables.csv_bytes(table))
     directory.put("results.parquet", tables.parquet_bytes(table))
     directory.put("timings.csv", _timings(results))
