@@ -4,7 +4,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -13,24 +13,12 @@ from testbed.airframe import sheet_plots
 from testbed.airframe.identify import bank_step, full_control, load_factor_step
 from testbed.airframe.linearise import LATERAL, LONGITUDINAL, LinearModel, Mode, linearise, modes
 from testbed.airframe.loops import ClosedLoop, lateral, pitch
-from testbed.airframe.trim import TrimPoint, lift_curve, stall_speed, steepest_climb, trim_table
+from testbed.airframe.performance import Performance, measure
+from testbed.airframe.trim import lift_curve, steepest_climb
 from testbed.airframe.tune import surface_lags
 from testbed.core.units import DEG
 from testbed.flight.plants.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.rig import HEIGHT_M, Rig
-
-SPEEDS = 6
-CLIMB_STEP_DEG = 5
-
-
-class Performance(NamedTuple):
-    """Everything on the page that is flown or trimmed."""
-
-    speeds_mps: list[float]
-    climbs_rad: list[float]
-    trims: list[list[TrimPoint | None]]
-    steepest_rad: list[float]
-    stall_mps: float
 
 
 def write_data_sheet(name: str, out: Path) -> Path:
@@ -82,22 +70,6 @@ def render(aircraft: Aircraft, name: str) -> str:
         matrices=_matrices(model),
         deg=DEG,
     )
-
-
-def measure(aircraft: Aircraft, speed: float) -> Performance:
-    """Trims over the envelope's airspeeds and over climbs in steps of five degrees, as far as they trim."""
-    limits = aircraft.limits
-    low, high = math.ceil(limits.speed_min_mps), math.floor(limits.speed_max_mps)
-    speeds = sorted({float(round(v)) for v in np.linspace(low, high, SPEEDS - 1)} | {speed})
-    steepest = [steepest_climb(aircraft, v) for v in speeds]
-    most = max((climb for climb in steepest if not math.isnan(climb)), default=0.0)
-    climbs = [k * CLIMB_STEP_DEG * DEG for k in range(int(most / DEG / CLIMB_STEP_DEG) + 1)]
-    trims: list[list[TrimPoint | None]] = []
-    for climb in climbs:
-        (row,) = trim_table(aircraft, [v for v, most_here in zip(speeds, steepest, strict=True) if climb <= most_here + 1e-9], [climb])
-        by_speed = {point.speed_mps: point for point in row if point is not None}
-        trims.append([by_speed.get(v) for v in speeds])
-    return Performance(speeds, climbs, trims, steepest, stall_speed(aircraft, speed))
 
 
 def published(aircraft: Aircraft, name: str, numbers: Mapping[str, float], found: list[Mode]) -> list[tuple[str, str, str, str, str]]:

@@ -14,8 +14,8 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError
 
 from testbed.airframe.place import rounded
-from testbed.airframe.tune import PLACEHOLDER
 from testbed.airframe.trim import LiftCurve, lift_curve, stall_speed, trim
+from testbed.airframe.tune import PLACEHOLDER
 from testbed.campaign.reading.aircraft import FILE
 from testbed.campaign.reading.problems import did_you_mean
 from testbed.campaign.words.aircraft import Aircraft, AutopilotGains, GuidanceGains, Limits, Model, PointMass

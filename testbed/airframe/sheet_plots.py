@@ -15,7 +15,7 @@ from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.rig import Controls, Rig
 
 if TYPE_CHECKING:
-    from testbed.airframe.data_sheet import Performance
+    from testbed.airframe.performance import Performance
 
 Array = np.ndarray
 Plot = tuple[str, Markup]

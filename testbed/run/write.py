@@ -30,7 +30,8 @@ def write_results(
     if not campaign.study.part.flies:
         from testbed.results import tables
 
-        table = tables.table(rows, tables.axis_kinds(plan.labels for plan in plans))
+        # rows have the order of the axes, plans all their labels
+        table = tables.table(rows, tables.axis_kinds([row["labels"] for row in rows] + [plan.labels for plan in plans]))
         directory.put("results.csv", tables.csv_bytes(table))
         directory.put("results.parquet", tables.parquet_bytes(table))
         checks = _check(directory, campaign, flown, results, len(plans))

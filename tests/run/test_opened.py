@@ -25,8 +25,8 @@ obstacles:
      when: {own_reaches_enu_m: [162, 101, 64.3]}}
 plant: {kind: kinematic}
 sweep:
-  method.kind: [none, scoam]
   replan.k: [1.25, 1.5]
+  method.kind: [none, scoam]
   wind_mps: {"0": {}, "5": {air.wind: {kind: steady, speed_mps: 5, from_deg: 0}}}
 """
 
@@ -59,6 +59,11 @@ def test_a_share_of_kept_flights_leaves_out_those_that_met_nothing(tmp_path):
     run = flown(tmp_path / "some", "columns=none", "sweep={wind_mps: {'0': {}, '5': {obstacles: []}}}")
     assert run.results["kept_clear"].isna().tolist() == [False, True]
     assert run.results["kept_clear"].mean() in (0.0, 1.0)
+
+
+def test_axes_stand_in_the_order_of_the_sweep(run):
+    axes = [name for name in run.results if name.startswith("label.")]
+    assert axes == ["label.replan.k", "label.method.kind", "label.wind_mps"] == list(run.results)[-3:]
 
 
 def test_csv_and_parquet_can_be_joined_on_every_axis(run):
