@@ -9,8 +9,8 @@ import math
 from testbed.core.units import G0_MPS2
 from testbed.flight.guidance.bank_to_turn import BankToTurn
 from testbed.flight.guidance.law import GuidanceSetting, Memory, Telemetry
-from testbed.flight.route.path import Path
 from testbed.flight.plants.base import Command, State
+from testbed.flight.route.path import Path
 
 
 class Pursuit:

@@ -1,5 +1,6 @@
 """What an aircraft can do in straight flight, for its data sheet."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
