@@ -6,6 +6,8 @@ from vosc.vec import FloatArray
 
 Poly = tuple[float, ...]
 
+NOTHING = 1e-150
+
 
 def product(a: Poly, b: Poly) -> Poly:
     """a(t) b(t)."""
@@ -53,7 +55,9 @@ def extremum_candidates(slope: Poly) -> FloatArray:
     size = max(abs(x) for x in slope)
     if not size > 0.0:
         return np.array([0.0, 1.0])
-    roots = np.roots(np.array(slope[::-1]) / size).real
+    scaled = np.array(slope[::-1]) / size
+    scaled[np.abs(scaled) < NOTHING] = 0.0  # a leading coefficient that small overflows when divided by, and moves no root in [0, 1]
+    roots = np.roots(scaled).real
     return np.concatenate(([0.0, 1.0], roots[(roots > 0.0) & (roots < 1.0)]))
 
 

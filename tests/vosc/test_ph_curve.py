@@ -358,3 +358,11 @@ def test_pickles_alike_cold_and_warm_and_is_frozen():
     assert again.frame(123.4) == cold.frame(123.4)
     with pytest.raises(dataclasses.FrozenInstanceError):
         cold.e = (1.0, 0.0, 0.0)
+
+
+def test_a_direction_that_is_off_by_next_to_nothing_overflows_nowhere():
+    """A leading coefficient of some 1e-300: found by hypothesis as a flight to (0, 101, 0)."""
+    end = math.radians(7.453075167976526e-159)
+    curve = ph.hermite((0, 0, 0), (101, 0, 0), (0, 101, 0), (101 * math.cos(end), 0, 101 * math.sin(end)))
+    level = ph.hermite((0, 0, 0), (101, 0, 0), (0, 101, 0), (101, 0, 0))
+    assert curve.max_curvature() == pytest.approx(level.max_curvature(), rel=1e-12)
