@@ -112,7 +112,8 @@ class FlightRecord:
     and why: ``guidance.limited`` (n,) 1 for bank plus 2 for load factor, ``own.at_stop`` (n,) 1 when a surface is at its stop;
     ``path.index`` (n,) which of ``paths`` was active; ``path.leg`` (n,) piece of that path;
     ``path.s_m`` (n,) arc length of its nearest point, ``path.cross_track_m`` (n,) 3-D distance to it, both exact;
-    ``obstacle.<name>.pos_enu_m`` ``obstacle.<name>.vel_enu_mps`` (n,3); ``obstacle.<name>.clearance_m`` (n,).
+    ``obstacle.<name>.pos_enu_m`` ``obstacle.<name>.vel_enu_mps`` (n,3); ``obstacle.<name>.clearance_m`` (n,),
+    as it truly was, NaN while it was not there. While a law steers, ``path.*`` compare with the path that it left.
     What a plant does not have (control deflections of a point) is NaN.
     """
 
