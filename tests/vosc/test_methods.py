@@ -3,6 +3,7 @@
 import math
 import operator
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vosc import Obstacle, Own
-from vosc.methods import METHODS, OPTIONS, avoid
+from vosc.methods import METHODS, OPTIONS, Choice, avoid
 
 STATUSES = {"clear", "avoided", "unsafe", "no_free_direction", "inside", "undefined"}
 SAFE = [m for m in METHODS if m not in ("none",)]
@@ -348,3 +349,47 @@ def test_wrong_names_and_options_say_what_to_do(table_1, method, options, messag
 def test_options_are_those_of_the_functions():
     assert OPTIONS["scoam"] == {"boundary", "objective", "goal", "corners_only", "consider"}
     assert OPTIONS["none"] == frozenset()
+
+
+def test_obstacles_that_are_marked_as_no_threat_are_for_those_who_ask() -> None:
+    """Every method answers as if they were not there; scoam with consider=all sees them, and so does a method of one's own."""
+    own = Own((0, 0, 0), (50, 0, 0))
+    met = Obstacle((150, -4, 0), (0, 0, 0), 25)
+    beside = Obstacle((140, 40, 0), (0, 0, 0), 25, is_threat=False)
+    for name in METHODS:
+        alone, both = avoid(name, own, [met]), avoid(name, own, [met, beside])
+        assert (alone.velocity_mps == both.velocity_mps).all(), name
+        assert (alone.status, alone.margin_rad) == (both.status, both.margin_rad), name
+    options = {"boundary": "exact", "consider": "all"}
+    assert avoid("scoam", own, [met, beside], **options).deflection_rad > avoid("scoam", own, [met], **options).deflection_rad
+    told: list[Obstacle] = []
+
+    def listens(own: Own, obstacles: Sequence[Obstacle]) -> Choice:
+        told.extend(obstacles)
+        return Choice(own.vel_mps, "avoided")
+
+    avoid(listens, own, [met, beside])
+    assert told == [met, beside]
+    assert avoid("scoam", own, [beside]).status == "clear"
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (None, "must return Choice"),
+        ((1.0, 2.0, 3.0), "must return Choice"),
+        (((1.0, 2.0), "avoided"), "the method's velocity: give three numbers"),
+        (((np.nan, 2.0, 1.0), "avoided"), "the method's velocity: all three numbers must be finite"),
+        (((50.0, 0.0, 0.0), "safe"), "the method's status must be one of avoided, no_free_direction, undefined, not 'safe'"),
+    ],
+)
+def test_an_answer_that_is_none_is_refused_in_words(answer: object, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        avoid(lambda own, obstacles: answer, Own((0, 0, 0), (50, 0, 0)), [Obstacle((150, 0, 0), (0, 0, 0), 25)])  # type: ignore[arg-type,return-value]  # noqa: ARG005
+
+
+@pytest.mark.parametrize("velocity", [np.array([30.0, 40.0, 0.0]), [30, 40, 0], (np.float64(30.0), 40.0, 0.0)])
+def test_lists_and_arrays_are_answers_too(velocity: Sequence[float]) -> None:
+    answer = avoid(lambda own, obstacles: (velocity, "avoided"), Own((0, 0, 0), (50, 0, 0)), [Obstacle((150, 0, 0), (0, 0, 0), 25)])  # noqa: ARG005
+    assert answer.velocity_mps.tolist() == [30.0, 40.0, 0.0]
+    assert answer.status == "avoided"

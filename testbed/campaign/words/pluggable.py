@@ -28,7 +28,7 @@ class Pluggable(Section):
     family: ClassVar[str]
 
     kind: str
-    options: dict[str, Any] = Field(default={})
+    options: dict[str, Any] = Field(default={}, validate_default=True)
     """The part's own options."""
 
     @field_validator("kind")
@@ -47,7 +47,7 @@ class Pluggable(Section):
     @classmethod
     def _are_the_part_s(cls, options: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
         kind = info.data.get("kind")
-        if kind is None:  # told already
+        if kind is None or not (options or ":" in kind):  # told already; what is built in works without options
             return options
         what, part = f"{cls.family} '{kind}'", registry.part(cls.family, kind)
         try:

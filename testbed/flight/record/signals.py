@@ -52,7 +52,7 @@ SIGNALS: Final = (
     Signal("path.leg", "", "", "Number of the piece of that path, from 0."),
     Signal("path.s_m", "m", "", "Arc length of the point of the active path that is nearest, exact."),
     Signal("path.cross_track_m", "m", "", "Distance in space to that point."),
-    Signal(f"{OBSTACLE}pos_enu_m", "m", "xyz", "Place of the obstacle's centre."),
+    Signal(f"{OBSTACLE}pos_enu_m", "m", "xyz", "Place of the obstacle's centre, as it truly was; NaN while it is not there."),
     Signal(f"{OBSTACLE}vel_enu_mps", "m/s", "xyz", "Its velocity over the ground."),
     Signal(f"{OBSTACLE}clearance_m", "m", "", "Distance to its surface; negative: inside."),
 )  # fmt: skip
