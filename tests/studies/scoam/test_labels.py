@@ -79,6 +79,16 @@ def test_an_axis_that_is_needed_and_missing_is_told_and_a_part_may_be_left_out(t
         load_campaign(file)
 
 
+def test_a_campaign_from_before_there_were_studies_is_told_what_to_write(tmp_path: Path) -> None:
+    file = tmp_path / "paper.yaml"
+    file.write_text(SHIPPED.replace("study: {kind: scoam}", "verdict: paper"))
+    with pytest.raises(SpecError) as refused:
+        load_campaign(file)
+    (told,) = refused.value.problems
+    assert (told.path, told.message, told.hint) == ("verdict", "unknown key 'verdict'", "write study: {kind: scoam}")
+    assert told.spot.is_position
+
+
 def test_the_shipped_campaign_has_every_part_and_every_label_that_is_declared() -> None:
     """Of what is listed: a label that no campaign has would be looked for in vain. DROAM has sides in calm air alone, two parts no air."""
     flown: dict[str, set[str]] = {}
