@@ -62,7 +62,7 @@ def safe(flights: Flights, text: Text, encounters: tuple[str, ...]) -> Claim:
 def _why_safe(flights: Flights, encounters: tuple[str, ...], found: Found, cause: str, cost: float) -> str:
     if not found.rails:
         return _reason(found) or "No flight on rails."
-    said = [f"On rails {_of(found.rails.values())} re-plans keep every radius ({_by_aircraft(flights, encounters, 'kinematic')})."]
+    said = [f"On rails {_of(found.rails.values())} re-plans keep every radius ({_by_aircraft(flights, encounters, Rung.KINEMATIC)})."]
     if found.ruling.word == FAILS_KINEMATICALLY:
         at_once = [clearance(flights.one(Part.CALM, Method.SCOAM, Rung.VO_INSTANT, encounter=e, flown_by=MAIN)) for e in encounters]
         shown = finite(at_once)
@@ -70,13 +70,13 @@ def _why_safe(flights: Flights, encounters: tuple[str, ...], found: Found, cause
             said.append(f"The direction flown at once leaves {listed([say(x, 'm') for x in shown])}.")
         if cause:
             said.append(f"What costs most is the {cause}: {say(cost, 'm')}.")
-        said.append(f"Flown as well: {_by_aircraft(flights, encounters, 'jsbsim')}; nothing of it is put down to dynamics.")
+        said.append(f"Flown as well: {_by_aircraft(flights, encounters, Rung.JSBSIM)}; nothing of it is put down to dynamics.")
     else:
-        said.append(f"Flown in calm air {_of(found.calm.values())} do ({_by_aircraft(flights, encounters, 'jsbsim')}){_air(found)}.")
+        said.append(f"Flown in calm air {_of(found.calm.values())} do ({_by_aircraft(flights, encounters, Rung.JSBSIM)}){_air(found)}.")
         if cause:
             said.append(f"What costs most is {cause}: {say(cost, 'm')} with {MAIN}.")
         if flights.pick(Part.CALM, Method.SCOAM, Rung.DIRECT, encounter=encounters[0]):
-            said.append(f"Told the direction at once, without insertion point: {_by_aircraft(flights, encounters, 'direct')}.")
+            said.append(f"Told the direction at once, without insertion point: {_by_aircraft(flights, encounters, Rung.DIRECT)}.")
     return " ".join(part for part in (*said, _operational(flights, encounters), *_left_out(found), _reason(found)) if part)
 
 
