@@ -8,7 +8,15 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-INCLUDED: tuple[str, ...] = ("mass_balance", "ground_reactions", "external_reactions", "buoyant_forces", "propulsion", "system", "autopilot")
+INCLUDED: tuple[str, ...] = (
+    "mass_balance",
+    "ground_reactions",
+    "external_reactions",
+    "buoyant_forces",
+    "propulsion",
+    "system",
+    "autopilot",
+)
 INCLUDED += ("flight_control", "aerodynamics")
 """Sections that may be in a file of their own."""
 

@@ -7,15 +7,15 @@ import pytest
 
 from testbed.core.chain import Chain
 from testbed.core.units import DEG
-from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.fly import make_planner
-from testbed.flight.route.path import ActivePath
 from testbed.flight.planning import Context, Steer
 from testbed.flight.planning.context import make_context
 from testbed.flight.planning.own import OwnPlanner, asked, path_of
 from testbed.flight.planning.replan import Replanner
 from testbed.flight.planning.steering import arc
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.base import State
+from testbed.flight.route.path import ActivePath
 from testbed.flight.scene import make_scene
 from testbed.flight.sensing import Seen
 from tests.plans import KINEMATIC, plan
