@@ -10,12 +10,14 @@ from pydantic import ValidationError
 from testbed.campaign.reading.document import faults_of
 from testbed.campaign.reading.nodes import parse
 from testbed.campaign.reading.problems import Source, SpecError
-from testbed.contracts import guidance, method
+from testbed.contracts import flown, guidance, method
 from testbed.contracts.promise import Promise, report
 from testbed.core import options, plugins, registry
 
-CONTRACTS: dict[str, Callable[[str, Any, Mapping[str, Any]], list[Promise]]] = {"method": method.promises, "guidance": guidance.promises}
-"""Family to its contract."""
+Contract = Callable[[str, Any, Mapping[str, Any]], list[Promise]]
+
+CONTRACTS: dict[str, Contract] = {"method": method.promises, "guidance": guidance.promises, "planner": flown.promises_of_planner}
+"""Family to its contract; a method that is a class is a law over time."""
 
 
 class CheckError(Exception):
@@ -35,8 +37,12 @@ def check(family: str, kind: str, given: Mapping[str, Any]) -> tuple[bool, Itera
     except (plugins.PluginError, registry.UnknownPartError) as error:
         raise CheckError(str(error)) from None
     described = _described(family, part, given)
-    every = [described, *([] if described.broken else CONTRACTS[family](kind, part, given))]
+    every = [described, *([] if described.broken else _contract(family, part)(kind, part, given))]
     return all(promise.kept for promise in every), report(f"{family} '{kind}'", every)
+
+
+def _contract(family: str, part: Any) -> Contract:
+    return flown.promises_of_law if family == "method" and inspect.isclass(part) else CONTRACTS[family]
 
 
 def given_options(written: Sequence[str]) -> dict[str, Any]:
@@ -60,11 +66,11 @@ def _described(family: str, part: Any, given: Mapping[str, Any]) -> Promise:
     """Can a campaign name its options?"""
     what = "has options that a YAML can say"
     try:
-        options.checked(family, part, registry.FAMILIES[family].given, given)
+        options.checked(family, part, registry.given(family, part), given)
     except options.OptionsError as error:
         return Promise(what, str(error))
     except ValidationError as error:
         return Promise(what, "; ".join(f"{'.'.join(map(str, fault.loc))}: {fault.message}" for fault in faults_of(error)))
-    known = list(options.model_of(part, registry.FAMILIES[family].given).model_fields)
+    known = list(options.model_of(part, registry.given(family, part)).model_fields)
     doc = inspect.getdoc(part)
     return Promise(what, note=(", ".join(known) or "none") + ("" if doc else "; it has no docstring"))

@@ -121,3 +121,48 @@ def test_the_command(write, tmp_path: Path) -> None:
     bad = run("method", "mine:avoid", "--set", "oops")
     assert bad.returncode == 2
     assert "expected KEY=VALUE" in bad.stderr
+
+
+def test_the_planner_that_is_built_in_keeps_its_promises() -> None:
+    kept, lines = check("planner", "replan", {})
+    assert kept, "\n".join(lines)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("family", "kind"),
+    [("method", "tangent:avoid"), ("method", "pn:Law"), ("planner", "holder:Planner"), ("guidance", "pure_pursuit:Pursuit")],
+)
+def test_the_documented_files_keep_their_promises(family: str, kind: str) -> None:
+    kept, lines = check(family, f"{Path(__file__).parents[2] / 'docs' / 'plugins'}/{kind}", {})
+    assert kept, "\n".join(lines)
+
+
+PLANNER = """\
+import random
+
+
+class Planner:
+    def start(self, context):
+        return context
+
+    def step(self, memory, time_s, state, seen):
+        {step}
+"""
+
+
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [
+        ("return None", "answers at every look"),
+        ("return memory, 3", "the planner's path must be PH curves or finite points"),
+        ("1 / 0", "raises ZeroDivisionError"),
+        ("return memory, [state[:3], (state.x + random.uniform(300, 900), 50, 0)] if not time_s else None", "flies the same flight again"),
+        ("return memory, [state[:3], (state.x + 5e4, 0, 0)] if not time_s else None", "brings the flight to its goal"),
+    ],
+)
+def test_what_a_planner_breaks_is_named(write, step: str, said: str) -> None:
+    write(PLANNER.format(step=step))
+    kept, lines = check("planner", "mine:Planner", {})
+    assert not kept
+    assert any(line.startswith("broken") and said in line for line in lines), "\n".join(lines)
