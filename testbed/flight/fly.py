@@ -54,8 +54,8 @@ def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None) -> Flig
     except TrimFailedError as error:
         return finish(log, scene, Outcome.TRIM_FAILED, str(error), {"set_up_s": perf_counter() - began})
     blocks = _Blocks(make_sensor(plan), make_planner(plan), make_law(plan, aircraft), plant)
-    ready = perf_counter()
     memories = (blocks.sensor.start(sensor_context(plan)), blocks.planner.start(make_context(plan, scene, aircraft)))
+    ready = perf_counter()
     outcome, message = _loop(plan, scene, path, blocks, memories, log, until(scene) if until else None)
     flown = perf_counter()
     return finish(

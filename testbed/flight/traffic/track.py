@@ -1,5 +1,6 @@
 """The obstacles as they truly are: spheres on tracks of any kind, and how close a flight came to them."""
 
+from abc import ABC, abstractmethod
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -62,12 +63,12 @@ class Traffic(NamedTuple):
         return tuple(Body(track.name, track.radius_m, *moving, time_s) for track, moving in found if moving is not None)
 
 
-class Sampled:
+class Sampled(ABC):
     """The array form of a track that only knows where it is at one time: a base class for tracks of one's own."""
 
+    @abstractmethod
     def at(self, time_s: float) -> tuple[Vec3, Vec3] | None:
         """See ``Track``."""
-        raise NotImplementedError
 
     def sampled(self, time_s: Array) -> tuple[Array, Array]:
         """See ``Track``: ``at``, time by time."""
