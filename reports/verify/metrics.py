@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from .approach import clear_at, closest
-from .outcome import End, end_of, outcome_of
+from .outcome import AVOIDING, End, end_of, outcome_of
 from .raw import Array, Raw
 from .run import NUMBERS, figure_of
 
@@ -19,7 +19,7 @@ def between_deg(a: Array, b: Array) -> Array:
 
 def avoidance(raw: Raw, end: End) -> dict[str, float]:
     """What the first avoidance did, in degrees, seconds and metres; nothing where there was none."""
-    event = next((decision for decision in raw.about["decisions"] if decision["decision"] == "replanned"), None)
+    event = next((decision for decision in raw.about["decisions"] if decision["decision"] in AVOIDING), None)
     hz = raw.about["plant_hz"]
     if event is None:
         return {}
@@ -61,7 +61,7 @@ def metrics_of(raw: Raw) -> dict[str, float | str]:
         "nearest_obstacle": who,
         "least_clearance_m": clearance,
         "time_at_least_clearance_s": at,
-        "replans": float(sum(decision["decision"] == "replanned" for decision in decisions)),
+        "replans": float(sum(decision["decision"] in AVOIDING for decision in decisions)),
     }
     if decisions:
         found |= {"trigger_time_s": float(decisions[0]["time_s"]), "route_miss_m": figure_of(decisions[0]["route_miss_m"])}
