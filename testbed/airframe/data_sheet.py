@@ -10,11 +10,10 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from testbed.airframe import sheet_plots
-from testbed.airframe.identify import bank_step, full_control, load_factor_step
+from testbed.airframe.identify import bank_step, full_control, load_factor_step, surface_lags
 from testbed.airframe.linearise import LATERAL, LONGITUDINAL, LinearModel, Mode, linearise, modes
 from testbed.airframe.loops import ClosedLoop, lateral, pitch
 from testbed.airframe.trim import TrimPoint, lift_curve, stall_speed, steepest_climb, trim_table
-from testbed.airframe.tune import surface_lags
 from testbed.core.units import DEG
 from testbed.flight.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.rig import HEIGHT_M, Rig

@@ -223,9 +223,7 @@ def issue(fdm: jsbsim.FGFDMExec, start: Start, alpha_trim: float, alpha_extra: f
     return load_factor, fdm["accelerations/Nz"]
 
 
-def begin(
-    fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float, feed: GustFeed | None = None, settle_s: float = 0.0
-) -> None:
+def begin(fdm: jsbsim.FGFDMExec, start: Start, trim: Trim, height_m: float, feed: GustFeed | None = None, settle_s: float = 0.0) -> None:
     """Two probes give the lift slope; the third start has the angle of attack that the path's load factor needs, and the gusts.
 
     ``settle_s``: for so long the aircraft is held in that state, for engines that a start sets back.
