@@ -67,7 +67,7 @@ def tune(name: str, write: bool, accept: bool = False) -> str:
     try:
         after, checks = _best(before)
         after = sound(after)
-    except (TrimFailedError, np.linalg.LinAlgError, ArithmeticError, KeyError, ValueError) as error:
+    except (RuntimeError, np.linalg.LinAlgError, ArithmeticError, LookupError, ValueError) as error:
         reason = error.args[0] if isinstance(error, KeyError) and error.args else error
         raise TuneFailedError(f"{name}: no gains were found at {before.autopilot.reference_mps:g} m/s: {reason}") from error
     missed = tuple(" ".join(line(check).split()) for check in checks if not check.passed)
