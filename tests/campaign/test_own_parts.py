@@ -47,7 +47,7 @@ def told(tmp_path: Path, more: str) -> str:
     ("more", "place", "words"),
     [
         ('method: {kind: "mine:Law", options: {gain: -1.0}}', "5:44", "give a number above 0, got -1.0"),
-        ('method: {kind: "mine:Law", options: {own: 1}}', "5:43", "unknown option 'own'"),
+        ('method: {kind: "mine:Law", options: {own: 1}}', "5:38", "unknown option 'own'"),
         ('method: {kind: "mine:Idle"}', "5:1", "a steering law needs start and steer; Idle has no steer"),
         ('method: {kind: "mine:tangent", options: {side: true}}', "5:", "must return Choice"),
         ('planner: {kind: "mine:Idle"}', "5:1", "a planner needs start and step; Idle has no step"),
@@ -55,7 +55,7 @@ def told(tmp_path: Path, more: str) -> str:
         ("planner: {kind: replan, options: {k: 2}}", "5:", "unknown option 'k'"),
         ("planner: {kind: replane}", "5:", "no planner 'replane'"),
         ('sensor: {kind: "mine:Idle"}', "5:1", "a sensor needs start and sense; Idle has no sense"),
-        ('obstacles: [{name: O, kind: "mine:Track", options: {rate: 1}, ' + OBSTACLE + "}]", "5:59", "it has: rate_dps"),
+        ('obstacles: [{name: O, kind: "mine:Track", options: {rate: 1}, ' + OBSTACLE + "}]", "5:53", "it has: rate_dps"),
         ("obstacles: [{name: O, kind: curved, " + OBSTACLE + "}]", "5:", "no traffic 'curved'"),
     ],
 )

@@ -99,8 +99,8 @@ PARTS = {  # a file of docs/plugins: how a campaign asks for it, and one line of
     "holder.py": ('planner: {kind: "holder:Planner"}', "2.0 * self.hold_s", "2.5 * self.hold_s"),
     "pure_pursuit.py": (
         'guidance: {kind: "pure_pursuit:Pursuit", options: {ahead_s: 1.5}}',
-        "self.ahead_s, self.hold,",
-        "1.2 * ahead_s, self.hold,",
+        " = ahead_s, setting",
+        " = 1.2 * ahead_s, setting",
     ),
     "noisy.py": ('sensor: {kind: "noisy:Noisy", range_m: 180, options: {late_s: 0.1}}', "normal(size=6)", "uniform(size=6)"),
 }

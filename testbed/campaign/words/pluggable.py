@@ -47,7 +47,7 @@ class Pluggable(Section):
     @classmethod
     def _are_the_part_s(cls, options: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
         kind = info.data.get("kind")
-        if kind is None or not (options or ":" in kind):  # told already; what is built in works without options
+        if kind is None or (not options and kind == cls.model_fields["kind"].default):  # told already; what is flown unless asked otherwise
             return options
         what, part = f"{cls.family} '{kind}'", registry.part(cls.family, kind)
         try:

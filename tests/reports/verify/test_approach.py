@@ -15,7 +15,7 @@ from reports.verify.raw import Raw, read_raw
 from reports.verify.run import BadInputError
 from testbed.flight.record import FlightRecord
 from testbed.results.avoidance import clear_row
-from testbed.results.metrics import closest_approach
+from testbed.results.quantities import closest_approach
 from testbed.results.raw import write_columns
 from tests import made
 from tests.made import HZ
