@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError
 
-from testbed.airframe.place import rounded
+from testbed.airframe.gains import rounded
 from testbed.airframe.trim import LiftCurve, lift_curve, stall_speed, trim
 from testbed.airframe.tune import PLACEHOLDER
 from testbed.campaign.reading.aircraft import FILE

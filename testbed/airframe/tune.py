@@ -18,7 +18,7 @@ import numpy as np
 from pydantic import ValidationError
 from ruamel.yaml import YAML
 
-from testbed.airframe.courses import random_bends, turn_radius
+from testbed.airframe.gains import place_lateral, place_pitch, roll_rate_limit, rounded
 from testbed.airframe.identify import (
     StepResponse,
     bank_step,
@@ -33,7 +33,7 @@ from testbed.airframe.identify import (
 )
 from testbed.airframe.linearise import LinearModel, linearise, load_factor_per_rad
 from testbed.airframe.loops import lateral, pitch
-from testbed.airframe.place import place_lateral, place_pitch, roll_rate_limit, rounded
+from testbed.airframe.proof_courses import random_bends, turn_radius
 from testbed.airframe.trial import follow
 from testbed.airframe.trim import fastest_level, lift_curve, stall_speed, steepest_climb, trim
 from testbed.core.units import DEG, G0_MPS2

@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from testbed.results.columns import BY_NAME
-from testbed.results.rows import value
+from testbed.results.flight_row import value
 from testbed.show.words import number
 
 FEWEST = 20  # flights in a cell below which a histogram says less than the numbers

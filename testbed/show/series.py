@@ -10,7 +10,7 @@ import numpy as np
 from testbed.core.units import DEG
 from testbed.flight.record import FlightRecord, PlannedPath
 from testbed.results.quantities import demanded_roll_rate
-from testbed.show.story import path_points, who
+from testbed.show.flight_summary import path_points, who
 
 Array = np.ndarray
 Series = dict[str, Any]

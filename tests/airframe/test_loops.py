@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from testbed.airframe.gains import MOST_SENSITIVITY, place_lateral, place_pitch, search
 from testbed.airframe.linearise import linearise
 from testbed.airframe.loops import ClosedLoop, elevator_per_load_factor, lateral, pitch
-from testbed.airframe.place import MOST_SENSITIVITY, place_lateral, place_pitch, search
 from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.rig import Rig
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from testbed.airframe import tune as tuning
-from testbed.airframe.courses import random_path, swerve, turn_radius
 from testbed.airframe.identify import StepResponse, gust_step
 from testbed.airframe.linearise import linearise
+from testbed.airframe.proof_courses import random_path, swerve, turn_radius
 from testbed.airframe.trial import follow
 from testbed.airframe.trim import steepest_climb
 from testbed.core.frames import wind_enu_from_compass

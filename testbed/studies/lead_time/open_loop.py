@@ -31,7 +31,7 @@ from testbed.flight.plants.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.plants.base import Command, TrimFailedError
 from testbed.flight.record import inside
 from testbed.flight.scene import Scene, make_scene
-from testbed.studies.lead_time.encounter import Encounter
+from testbed.studies.lead_time.searched_encounter import Encounter
 
 Array = np.ndarray
 FLOWN_S = 6.0  # a manoeuvre is flown so long; after that it goes on straight

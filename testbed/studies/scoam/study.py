@@ -18,7 +18,7 @@ class Scoam(Study):
     formerly: ClassVar[Mapping[str, str]] = {"verdict": "study: {kind: scoam}"}
 
     def draws(self, plan: FlightPlan) -> bool:
-        from testbed.studies.scoam.page.pictures import shown
+        from testbed.studies.scoam.page.picture_data import shown
 
         return shown(plan.labels, plan.replicate) is not None
 

@@ -22,11 +22,11 @@ from typing import Final
 
 from testbed.studies.scoam.audit.case import Case, evaluate, numbers
 from testbed.studies.scoam.audit.evidence import sentence
+from testbed.studies.scoam.audit.formulae import rows
 from testbed.studies.scoam.audit.joint import Together, together
 from testbed.studies.scoam.audit.printed import PRINTED
 from testbed.studies.scoam.audit.readings import AS_PRINTED, READINGS, UNPRINTED, UNREAD, Reading
 from testbed.studies.scoam.audit.row import Row
-from testbed.studies.scoam.audit.rows import rows
 
 MORE_DECIMALS: Final = 2
 ALL_READINGS: Final = (AS_PRINTED, *READINGS)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from testbed.studies.scoam.audit.notes import note, text
+from testbed.studies.scoam.audit.implied import note, text
 from testbed.studies.scoam.audit.row import Row
 
 Figures = Mapping[str, tuple[float, float]]

@@ -8,7 +8,7 @@ import numpy as np
 
 from testbed.core.units import DEG
 from testbed.studies.scoam.audit.case import Case
-from testbed.studies.scoam.audit.encounter import (
+from testbed.studies.scoam.audit.geometry import (
     direction_in_force,
     heading,
     multi_direction,

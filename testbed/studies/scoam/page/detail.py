@@ -10,12 +10,12 @@ from testbed.show import words
 from testbed.show.words import DASH, named, number
 from testbed.studies.scoam.claim import Control, Rank, Waterfall
 from testbed.studies.scoam.labels import Design, Method, Part, Rung
-from testbed.studies.scoam.page import wording
-from testbed.studies.scoam.page.prose import p_value
-from testbed.studies.scoam.page.wording import AIRCRAFT, IN_AIR, LIMITS, METHODS, READINGS, RUNGS
+from testbed.studies.scoam.page import paper_names
+from testbed.studies.scoam.page.paper_names import AIRCRAFT, IN_AIR, LIMITS, METHODS, READINGS, RUNGS
+from testbed.studies.scoam.page.paragraphs import p_value
 
 if TYPE_CHECKING:
-    from testbed.studies.scoam.verdict.model import AirCell, Case
+    from testbed.studies.scoam.verdict.judged import AirCell, Case
 
 DESIGNS = {
     Design.ANCHORED: (
@@ -42,7 +42,7 @@ def control_rows(controls: Sequence[Control]) -> list[dict[str, Any]]:
             "expected": control.expected,
             "count": f"{control.met} of {control.n}" if control.n else "not flown",
             "tone": "warn" if not control.n else "good" if control.met == control.n else "bad",
-            "exceptions": wording.MINUS.sub("\N{MINUS SIGN}", control.exceptions) or DASH,
+            "exceptions": paper_names.MINUS.sub("\N{MINUS SIGN}", control.exceptions) or DASH,
         }
         for control in controls
     ]

@@ -9,8 +9,8 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from testbed.flight.record import TOUCH_M, Outcome
-from testbed.results.rows import Row, keeps
-from testbed.results.rows import value as number
+from testbed.results.flight_row import Row, keeps
+from testbed.results.flight_row import value as number
 from testbed.studies.scoam.labels import AIR, MAIN, ROBUSTNESS, Axis, Method, Part, Rung
 
 MARGINAL_M: Final = 0.15  # three times what the flight loop's rate may change a least clearance by

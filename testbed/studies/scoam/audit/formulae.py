@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from testbed.studies.scoam.audit import encounter as en
+from testbed.studies.scoam.audit import geometry as en
 from testbed.studies.scoam.audit import manoeuvres as ma
 from testbed.studies.scoam.audit.case import Case
 from testbed.studies.scoam.audit.printed import PRINTED

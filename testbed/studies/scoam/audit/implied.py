@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import cache, partial
 
 from testbed.core.units import DEG
-from testbed.studies.scoam.audit import encounter as en
+from testbed.studies.scoam.audit import geometry as en
 from testbed.studies.scoam.audit import manoeuvres as ma
 from testbed.studies.scoam.audit.case import Case, numbers
 from testbed.studies.scoam.audit.readings import AS_PRINTED, READINGS
