@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time test fast wheel-test bench report docs lock clean
+.PHONY: help paper paper-full verify lead-time aircraft-table test fast wheel-test bench report docs lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -44,6 +44,9 @@ lead-time: $(STAMP) ## the lead-time study, about half an hour: reports/lead_tim
 	$(BIN)/testbed run campaigns/lead_time.yaml --fresh
 	mkdir -p reports/lead_time
 	cp reports/runs/lead-time/index.html reports/runs/lead-time/lead_time.csv reports/lead_time/
+
+aircraft-table: $(STAMP) ## every model of the wheel made an aircraft, tuned and flown, about half an hour: docs/aircraft.md
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python docs/make_aircraft.py
 
 test: $(STAMP) ## style, types, import order, all tests
 	$(BIN)/ruff check $(CHECKED)

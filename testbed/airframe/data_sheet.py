@@ -10,12 +10,11 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from testbed.airframe import sheet_plots
-from testbed.airframe.identify import bank_step, full_control, load_factor_step
+from testbed.airframe.identify import bank_step, full_control, load_factor_step, surface_lags
 from testbed.airframe.linearise import LATERAL, LONGITUDINAL, LinearModel, Mode, linearise, modes
 from testbed.airframe.loops import ClosedLoop, lateral, pitch
 from testbed.airframe.performance import Performance, measure
 from testbed.airframe.trim import lift_curve, steepest_climb
-from testbed.airframe.tune import surface_lags
 from testbed.core.units import DEG
 from testbed.flight.plants.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.rig import HEIGHT_M, Rig

@@ -40,6 +40,11 @@ def servo_lag_s(aircraft: Aircraft, model: LinearModel) -> float:
     return lag if lag > 1.0 / PLANT_HZ else 0.0
 
 
+def surface_lags(aircraft: Aircraft, model: LinearModel) -> tuple[float, float, float]:
+    """What stands between command and surface: servo, command filter of the plant, sampling (s)."""
+    return servo_lag_s(aircraft, model), aircraft.command_lag_s, sampling_lag_s()
+
+
 def _lagged(signal: Array, time_s: Array, lag_s: float) -> Array:
     """A first-order lag, exact for a signal that is held over each step."""
     if lag_s == 0.0:

@@ -107,6 +107,8 @@ def lift_curve(aircraft: Aircraft, speed_mps: float, rig: Rig | None = None) -> 
     drags: list[float] = []
     for alpha in np.arange(0.0, HIGHEST_ALPHA_RAD, LIFT_STEP_RAD):
         balanced = _balanced(rig, float(alpha), speed_mps)
+        if balanced is None and not lifts:  # an elevator that balances no small angle of attack
+            continue
         if balanced is None or (lifts and balanced.lift_factor <= lifts[-1]):
             break
         alphas.append(float(alpha))

@@ -3,7 +3,7 @@
 The same procedure for every aircraft, at its reference airspeed; no number in it belongs to one of them:
 
 1. trim and linearise; measure what linearising does not see (servo, sampling, engine, full-aileron roll);
-2. place the inner loops on the linear model: least step error below a greatest sensitivity (``place.py``);
+2. place the inner loops on the linear model: least step error below a greatest sensitivity (``gains.py``);
 3. step the closed loops of the real plant and autopilot; what each is late is the look-ahead of guidance;
 4. give guidance the bandwidth at which its own loop, closed through those measured responses, reaches its greatest sensitivity;
 5. verify: step responses within bounds, and a course of bends near the turn limit.
@@ -11,31 +11,26 @@ The same procedure for every aircraft, at its reference airspeed; no number in i
 
 import math
 from collections.abc import Mapping
-from io import StringIO
 from typing import Any, NamedTuple
 
 import numpy as np
 from pydantic import ValidationError
-from ruamel.yaml import YAML
 
 from testbed.airframe.gains import place_lateral, place_pitch, roll_rate_limit, rounded
+from testbed.airframe.gains_file import changes, write_gains
 from testbed.airframe.identify import (
     StepResponse,
     bank_step,
     full_control,
     gust_answer,
     load_factor_step,
-    sampling_lag_s,
-    servo_lag_s,
-    speed_step,
+    surface_lags,
     thrust_lag_s,
     turn_response,
 )
 from testbed.airframe.linearise import LinearModel, linearise, load_factor_per_rad
-from testbed.airframe.loops import lateral, pitch
-from testbed.airframe.proof_courses import random_bends, turn_radius
-from testbed.airframe.trial import follow
 from testbed.airframe.trim import fastest_level, lift_curve, stall_speed, steepest_climb, trim
+from testbed.airframe.verify import Check, line, verify
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.plants.aircraft import Aircraft, load_aircraft
 from testbed.flight.plants.base import TrimFailedError
@@ -49,32 +44,17 @@ INTEGRAL_SHARE = 0.25  # the integral of guidance answers four times as slowly a
 SPEED_LOOP_LAGS = 0.5  # crossover of the speed loop times the lag of the engine
 SPEED_LOOP_SHARE = 0.5  # and no faster than this share of the guidance bandwidth
 FASTEST_SPEED_LOOP_RAD_S = 1.0
-LEAST_LAG_S = 0.01  # an engine in whose model the thrust simply follows the throttle
+LEAST_LAG_S = 0.01  # an engine whose thrust simply follows the throttle, a loop that is as quick as its command
 CLIMB_SHARE = 0.8  # of the steepest climb: the power of climbing is taken between there and level flight
 SLOWEST_STALLS, FASTEST_SHARE = 1.2, 1.6  # the envelope's airspeeds: stalls, and times the reference airspeed
 SLOWEST_BANDWIDTH_RAD_S = 0.05
 PACES = (1.0, 0.8, 0.6, 0.4)  # of the inner loops and of guidance: one after the other, until the verification passes
 PACED = ("bank_1ps", "aileron_per_roll_rate_s", "elevator_p", "elevator_i_1ps")
-PLACEHOLDER, BY_TUNE = "# chosen: a placeholder until tune measures it", "# measured: by tune"  # marks of numbers in a new file
 CONTROL_RAD_S = np.geomspace(0.2, 15.0, 120)
 
 
 class TuneFailedError(RuntimeError):
     """The gains found do not pass their own check; the report says which."""
-
-
-class Check(NamedTuple):
-    """One line of the verification."""
-
-    what: str
-    value: float
-    bound: float
-    unit: str
-
-    @property
-    def passed(self) -> bool:
-        """NaN does not pass."""
-        return self.value <= self.bound
 
 
 def tune(name: str, write: bool, accept: bool = False) -> str:
@@ -90,7 +70,7 @@ def tune(name: str, write: bool, accept: bool = False) -> str:
     except (TrimFailedError, np.linalg.LinAlgError, ArithmeticError, KeyError, ValueError) as error:
         reason = error.args[0] if isinstance(error, KeyError) and error.args else error
         raise TuneFailedError(f"{name}: no gains were found at {before.autopilot.reference_mps:g} m/s: {reason}") from error
-    missed = tuple(" ".join(_line(check).split()) for check in checks if not check.passed)
+    missed = tuple(" ".join(line(check).split()) for check in checks if not check.passed)
     found = changes(name, after) | _verdict(before, missed)
     report = _report(name, before, after, found, checks)
     if missed and not accept:
@@ -171,11 +151,6 @@ def identified(placed: Placed, pace: float) -> Aircraft:
     return _changed(aircraft, point_mass=point)
 
 
-def surface_lags(aircraft: Aircraft, model: LinearModel) -> tuple[float, float, float]:
-    """What stands between command and surface: servo, command filter of the plant, sampling (s)."""
-    return servo_lag_s(aircraft, model), aircraft.command_lag_s, sampling_lag_s()
-
-
 def _measured(aircraft: Aircraft, speed: float) -> Aircraft:
     """Limits that are facts of the aircraft rather than choices."""
     stall = stall_speed(aircraft, speed)
@@ -252,8 +227,8 @@ def _as_point(aircraft: Aircraft, power: Power, bank_lag_s: float, lift_lag_s: f
     lift_part, zero_part = np.polyfit(curve.lift_factor[usable] ** 2, curve.drag_factor[usable], 1)
     level = float(zero_part + lift_part)
     return {
-        "bank_lag_s": rounded(bank_lag_s),
-        "load_factor_lag_s": rounded(lift_lag_s),
+        "bank_lag_s": rounded(max(LEAST_LAG_S, bank_lag_s)),
+        "load_factor_lag_s": rounded(max(LEAST_LAG_S, lift_lag_s)),
         "thrust_lag_s": rounded(power.lag_s),
         "thrust_max": rounded(level + math.sin(power.climb_rad)),
         "drag_zero": rounded(float(zero_part)),
@@ -273,70 +248,9 @@ def _in_gusts(aircraft: Aircraft, model: LinearModel) -> dict[str, float]:
     }
 
 
-def verify(aircraft: Aircraft) -> list[Check]:
-    """Steps of every loop on the real plant, margins of the linear ones, and a course of bends."""
-    speed = aircraft.autopilot.reference_mps
-    model = linearise(Rig(aircraft, speed))
-    lags = surface_lags(aircraft, model)
-    small, _ = bank_step(aircraft, speed)
-    large, turning = bank_step(aircraft, speed, 0.5 * aircraft.limits.bank_deg * DEG)
-    lift, _ = load_factor_step(aircraft, speed)
-    faster = speed_step(aircraft, speed)["airspeed"] - speed
-    radius = 1.5 * turn_radius(speed, aircraft.limits.bank_deg * DEG)
-    climb = 0.5 * steepest_climb(aircraft, speed)
-    flights = [follow(aircraft, random_bends(np.random.default_rng(k), radius, climb), speed) for k in range(4)]
-    return [
-        Check("greatest sensitivity, aileron and rudder", lateral(model, aircraft.autopilot, lags).sensitivity(), 1.45, ""),
-        Check("greatest sensitivity, elevator", pitch(model, aircraft.autopilot, lags).sensitivity(), 1.45, ""),
-        Check("bank step 10 deg, overshoot", 100.0 * small.overshoot, 5.0, "%"),
-        Check("bank step 10 deg, settled within 5 % after", small.settling_s(), 10.0 * small.lag_s(1.0), "s"),
-        Check("bank step to half the limit, overshoot", 100.0 * large.overshoot, 5.0, "%"),
-        Check("bank step to half the limit, sideslip after 5 s", abs(float(turning["beta"][-1])) / DEG, 0.5, "deg"),
-        Check("load factor step 0.2, overshoot", 100.0 * lift.overshoot, 12.0, "%"),
-        Check("load factor step 0.2, off after 5 s", 100.0 * abs(1.0 - float(lift.response[-1])), 6.0, "%"),
-        Check("speed step 2 m/s, overshoot", 50.0 * max(0.0, float(faster.max()) - 2.0), 25.0, "%"),
-        Check("speed step 2 m/s, off after 30 s", 50.0 * abs(float(faster[-1]) - 2.0), 10.0, "%"),
-        Check("bends at 1.5 turn radii, worst cross-track RMS", max(flight.rms_m for flight in flights), 0.5, "m"),
-    ]
-
-
 def _changed(aircraft: Aircraft, **sections: Mapping[str, float]) -> Aircraft:
     """The aircraft with some values of some sections replaced."""
     return aircraft.model_copy(update={name: getattr(aircraft, name).model_copy(update=dict(new)) for name, new in sections.items()})
-
-
-def changes(name: str, after: Aircraft) -> dict[str, Any]:
-    """What the file is to say, by section."""
-    sections = ("guidance", "autopilot", "point_mass")
-    found: dict[str, Any] = {section: getattr(after, section).model_dump() for section in sections}
-    found["limits"] = {
-        key: getattr(after.limits, key) for key in ("speed_min_mps", "speed_max_mps", "roll_rate_dps", "alpha_max_1g_mps", "stall_mps")
-    }
-    return found | {"gains_found_by": f"testbed tune {name}"}
-
-
-def write_gains(aircraft: Aircraft, changes: Mapping[str, Any]) -> None:
-    """Put values into the aircraft's file; everything else in it, comments too, stays."""
-    yaml = YAML()
-    yaml.width = 200
-    yaml.preserve_quotes = True
-    file = aircraft.folder / "aircraft.yaml"
-    document = yaml.load(file.read_text(encoding="utf-8"))
-    for key, value in changes.items():
-        if isinstance(value, Mapping):
-            document[key].update({name: _plain(number) for name, number in value.items()})
-        elif value is None:
-            document.pop(key, None)
-        else:
-            document[key] = value
-    text = StringIO()
-    yaml.dump(document, text)
-    file.write_text(text.getvalue().replace(PLACEHOLDER, BY_TUNE), encoding="utf-8")
-
-
-def _plain(number: float) -> float | int:
-    """50 rather than 50.0."""
-    return int(number) if float(number).is_integer() and abs(number) >= 10 else number
 
 
 def _report(name: str, before: Aircraft, after: Aircraft, changes: Mapping[str, Any], checks: list[Check]) -> str:
@@ -348,8 +262,4 @@ def _report(name: str, before: Aircraft, after: Aircraft, changes: Mapping[str, 
                 old = getattr(getattr(before, section), key)
                 lines.append(f"  {key:26} {value:<10g}" + (f" was {old:g}" if old != value else ""))
     lines += ["", "verified in steps"]
-    return "\n".join([*lines, *(f"  {_line(check)} {'ok' if check.passed else 'FAILED'}" for check in checks)])
-
-
-def _line(check: Check) -> str:
-    return f"{check.what:46} {check.value:8.3g} (at most {check.bound:.3g}) {check.unit:2}"
+    return "\n".join([*lines, *(f"  {line(check)} {'ok' if check.passed else 'FAILED'}" for check in checks)])

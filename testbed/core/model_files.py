@@ -8,17 +8,8 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-INCLUDED: tuple[str, ...] = (
-    "mass_balance",
-    "ground_reactions",
-    "external_reactions",
-    "buoyant_forces",
-    "propulsion",
-    "system",
-    "autopilot",
-)
-INCLUDED += ("flight_control", "aerodynamics")
-"""Sections that may be in a file of their own."""
+SECTIONS = "mass_balance ground_reactions external_reactions buoyant_forces propulsion system autopilot flight_control aerodynamics".split()
+"""Those that may be in a file of their own."""
 
 
 class Missing(NamedTuple):
@@ -63,7 +54,7 @@ def missing_files(model: Element, file: Path) -> list[Missing]:
     for part in [model, *_sections(model, file)]:
         for element in part.iter():
             name, what = element.get("file"), str(element.tag)
-            if name and what in ("engine", "thruster", *INCLUDED) and _found(name, file) is None:
+            if name and what in ("engine", "thruster", *SECTIONS) and _found(name, file) is None:
                 lost[Missing(what, name)] = None
     return list(lost)
 

@@ -70,11 +70,48 @@ def test_writing_gains_keeps_comments(tmp_path: Path) -> None:
 
 
 def test_gains_that_fail_their_check_are_not_written(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tuning, "find_gains", lambda aircraft: aircraft)
+    monkeypatch.setattr(tuning, "placed", lambda aircraft: aircraft)
+    monkeypatch.setattr(tuning, "identified", lambda aircraft, _pace: aircraft)
     monkeypatch.setattr(tuning, "verify", lambda _: [tuning.Check("overshoot", math.nan, 5.0, "%")])
     monkeypatch.setattr(tuning, "write_gains", lambda *_: pytest.fail("written"))
     with pytest.raises(tuning.TuneFailedError, match="FAILED"):
         tuning.tune("gtm_t2", write=True)
+
+
+def test_slower_gains_are_tried_and_accepted_ones_say_what_they_missed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of four paces none passes; 0.6 misses least. Without --accept nothing is written; with it, that one is, and what it missed."""
+    overshoot = {1.0: 9.0, 0.8: 7.0, 0.6: 6.0, 0.4: 8.0}
+    written: list[dict[str, object]] = []
+    monkeypatch.setattr(tuning, "placed", lambda aircraft: aircraft)
+    monkeypatch.setattr(
+        tuning,
+        "identified",
+        lambda aircraft, pace: aircraft.model_copy(update={"guidance": aircraft.guidance.model_copy(update={"damping": pace})}),
+    )
+    monkeypatch.setattr(tuning, "verify", lambda aircraft: [tuning.Check("overshoot", overshoot[aircraft.guidance.damping], 5.0, "%")])
+    monkeypatch.setattr(tuning, "write_gains", lambda _, found: written.append(found))
+    with pytest.raises(tuning.TuneFailedError, match="--accept"):
+        tuning.tune("gtm_t2", write=True)
+    assert not written
+    tuning.tune("gtm_t2", write=True, accept=True)
+    assert written[0]["guidance"]["damping"] == 0.6  # type: ignore[index]
+    assert written[0]["verified"] is False
+    assert written[0]["missed"] == ["overshoot 6 (at most 5) %"]
+    overshoot[0.8] = 4.0
+    assert "ok" in tuning.tune("gtm_t2", write=True)
+    assert "verified" not in written[1], "a file that never said otherwise says nothing"
+
+
+def test_what_cannot_be_measured_ends_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    nowhere = load_aircraft("gtm_t2").model_copy(
+        update={"autopilot": load_aircraft("gtm_t2").autopilot.model_copy(update={"reference_mps": 15.0})}
+    )
+    monkeypatch.setattr(tuning, "load_aircraft", lambda _: nowhere)
+    with pytest.raises(tuning.TuneFailedError, match=r"gtm_t2: no gains were found at 15 m/s: no level trim at 15 m/s"):
+        tuning.tune("gtm_t2", write=True)
+    limits = nowhere.limits.model_copy(update={"roll_rate_dps": math.nan})
+    with pytest.raises(ValueError, match=r"could not be measured: limits\.roll_rate_dps"):
+        tuning.sound(nowhere.model_copy(update={"limits": limits}))
 
 
 def test_lag_of_a_pure_delay_is_that_delay() -> None:

@@ -41,7 +41,7 @@ ONE_FAULT = [
     ("speed_mps: 50", "speed_mps: -.inf", "5:12: speed_mps: must be a finite number, not -.inf", ""),
     ("speed_mps: 50", "speed_mps: 1e999", "5:12: speed_mps: must be a finite number, not .inf", ""),
     ("speed_mps: 50", "speed_mps: 0", "5:12: speed_mps: must be more than 0 m/s, not 0 m/s", ""),
-    ("speed_mps: 50", "speed_mps: 999", "5:12: speed_mps: must be at most 150 m/s, not 999 m/s", ""),
+    ("speed_mps: 50", "speed_mps: 1999", "5:12: speed_mps: must be at most 1000 m/s, not 1999 m/s", ""),
     ("speed_mps: 50", "speed_mps: !!float x", "5:12: 'x' is not a number", ""),
     ("speed_mps: 50", "speed_mps: !knots 50", "5:12: the tag !knots is not supported", ""),
     ("seed: 7", "seed: -7", "3:7: seed: must be at least 0, not -7", ""),

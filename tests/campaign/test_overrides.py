@@ -12,7 +12,7 @@ Write = Callable[[str], str]
 @pytest.mark.parametrize(
     ("override", "read", "value"),
     [
-        ("speed_mps=30", lambda c: c.speed_mps, 30.0),
+        ("speed_mps=45", lambda c: c.speed_mps, 45.0),
         (" speed_hold = groundspeed ", lambda c: c.speed_hold, "groundspeed"),
         ("obstacles.O.radius_m=30", lambda c: c.obstacles[0].radius_m, 30.0),
         ("obstacles.O.when={own_reaches_enu_m: [1, 2, 3]}", lambda c: c.obstacles[0].when.own_reaches_enu_m, (1.0, 2.0, 3.0)),

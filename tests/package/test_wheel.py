@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -13,6 +14,7 @@ import pytest
 
 from testbed.core.catalogue import PATH_VARIABLE, aircraft_folders
 from testbed.run.identity import code_hash
+from tests.run.test_dask_engine import started_cluster
 
 ROOT = Path(__file__).parents[2]
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet", "--no-input")
@@ -91,6 +93,71 @@ def test_a_study_begins_validates_and_flies_outside_the_repository(installed: In
     manifest = json.loads((run / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["identity"]["code"] == code_hash(), "the same code is the same, installed or in the repository"
     assert (manifest["revision"], manifest["dirty"]) == (None, None)
+
+
+PARTS = {  # a file of docs/plugins: how a campaign asks for it, and one line of it, changed
+    "holder.py": ('planner: {kind: "holder:Planner"}', "2.0 * self.hold_s", "2.5 * self.hold_s"),
+    "pure_pursuit.py": (
+        'guidance: {kind: "pure_pursuit:Pursuit", options: {ahead_s: 1.5}}',
+        "self.ahead_s, self.hold,",
+        "1.2 * ahead_s, self.hold,",
+    ),
+    "noisy.py": ('sensor: {kind: "noisy:Noisy", range_m: 180, options: {late_s: 0.1}}', "normal(size=6)", "uniform(size=6)"),
+}
+OWN = """
+name: own
+question: Do a planner, a guidance law and a sensor of one's own fly from the wheel?
+replicates: 2
+route: {start_enu_m: [0, 0, 0], goal_enu_m: [900, 0, 0], start_direction_deg: [0, 0], goal_direction_deg: [0, 0]}
+obstacles: [{name: O, radius_m: 25, position_enu_m: [420, 6, 4], speed_mps: 20, direction_deg: [180, 0]}]
+plant: {kind: point_mass}
+recordings: none
+"""
+
+
+def first_row(run: Path) -> dict[str, str]:
+    with (run / "results.csv").open(encoding="utf-8", newline="") as file:
+        return next(csv.DictReader(file))
+
+
+def test_a_planner_a_law_and_a_sensor_of_one_s_own_fly_from_the_wheel(installed: Installed, tmp_path: Path) -> None:
+    """In local workers and on a cluster of separate processes; changed by one line they are flown again; page, replay and report work."""
+    study = installed.elsewhere / "own"
+    study.mkdir()
+    for file in PARTS:
+        shutil.copy(ROOT / "docs" / "plugins" / file, study)
+    asked = "\n".join(asked for asked, _, _ in PARTS.values())
+    (study / "own.yaml").write_text(f"{OWN}plugins: [{', '.join(f'./{file}' for file in PARTS)}]\n{asked}\n")
+    local, again = study / "local", [*TESTBED, "run", "own/own.yaml", "--out", "own/local", "--workers", "2"]
+    done = installed.run(*again)
+    assert done.returncode == 0, done.stderr
+    assert "2 of 2 flights (2 flown now)" in done.stderr
+    results, row = (local / "results.csv").read_bytes(), first_row(local)
+    assert float(row["replans"]) >= 1.0, "the planner acted"
+    assert "</html>" in (local / "index.html").read_text(encoding="utf-8")
+    with started_cluster(tmp_path, installed.site) as (address, _):
+        there = installed.run(*TESTBED, "run", "own/own.yaml", "--out", "own/dask", "--engine", "dask", "--scheduler", address)
+    assert there.returncode == 0, there.stderr
+    assert (study / "dask" / "results.csv").read_bytes() == results
+    for file, (_, line, changed) in PARTS.items():
+        text = (study / file).read_text()
+        assert text.count(line) == 1
+        (study / file).write_text(text.replace(line, changed))
+        refused = installed.run(*again)
+        assert refused.returncode == 2
+        assert f"plug-in {file.removesuffix('.py')}" in refused.stderr
+        assert (local / "results.csv").read_bytes() == results, "nothing is lost"
+        flown = installed.run(*again, "--fresh")
+        assert "(2 flown now)" in flown.stderr
+        assert (local / "results.csv").read_bytes() != results
+        results = (local / "results.csv").read_bytes()
+    for file in PARTS:
+        (study / file).unlink()  # the run has its own
+    assert installed.run(*TESTBED, "report", "own/local").returncode == 0
+    assert (local / "results.csv").read_bytes() == results
+    replayed = installed.run(*TESTBED, "replay", "own/local", first_row(local)["flight_id"])
+    assert replayed.returncode == 0, replayed.stderr
+    assert "equal its row" in replayed.stderr
 
 
 def test_the_installed_aircraft_are_not_written_to(installed: Installed) -> None:

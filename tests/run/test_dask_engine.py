@@ -1,3 +1,4 @@
+import contextlib
 import importlib.util
 import os
 import subprocess
@@ -20,13 +21,22 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def cluster(tmp_path):
-    """A scheduler and two workers on loopback, started as a user starts them; yields (address, worker processes)."""
+    with started_cluster(tmp_path, ROOT) as started:
+        yield started
+
+
+@contextlib.contextmanager
+def started_cluster(tmp_path, code):
+    """A scheduler and two workers on loopback, started as a user starts them; yields (address, worker processes).
+
+    ``code``: the folder in which they find the project before anywhere else.
+    """
     address_file = tmp_path / "scheduler.json"
     dask = (
         [sys.executable, "-W", "ignore", "-m", "distributed.cli.dask_scheduler"],
         [sys.executable, "-W", "ignore", "-m", "distributed.cli.dask_worker"],
     )
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    environment = os.environ | {"PYTHONPATH": str(code)}
     with (tmp_path / "log").open("w") as log:
         common = {"stdout": log, "stderr": log, "stdin": subprocess.DEVNULL, "cwd": tmp_path, "env": environment}
         where = ["--scheduler-file", str(address_file)]

@@ -51,7 +51,9 @@ def load_campaign(path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
     campaign = Campaign.model_validate(document.data)
     grid = "parts" if campaign.parts else "sweep"
     too_many = size_problems(blocks, campaign, tree.key_spot(grid) if grid in tree.inside else tree.spot)
-    if found_late := too_many or label_problems(campaign, tree, blocks) + combination_problems(campaign, tree, blocks):
+    if too_many:
+        raise SpecError(too_many)
+    if found_late := label_problems(campaign, tree, blocks) + combination_problems(campaign, _with_sets(tree, sets), blocks):
         raise SpecError(found_late)
     return campaign
 
@@ -136,6 +138,15 @@ def _overridden(written: Document, sets: Sequence[Assignment]) -> tuple[Document
         except NoSuchObstacleError as error:
             problems.append(error.problem())
     return document, problems
+
+
+def _with_sets(tree: Tree, sets: Sequence[Assignment]) -> Tree:
+    """The tree with the overrides in it, so that a fault that one of them makes is shown at it; those of obstacles apart, a list."""
+    for assignment in sets:
+        keys = assignment.path.split(".")
+        if keys[0] != "obstacles":
+            tree = tree.put(keys, assignment.tree, assignment.spot)
+    return tree
 
 
 def _without_effect(sets: Sequence[Assignment], blocks: Sequence[Block]) -> list[Problem]:

@@ -25,10 +25,8 @@ STEADY = 2e-5  # of the weight: change of the thrust in a second
 OPENINGS = 0.25  # steps in which the throttle is closed until the aircraft slows down
 MOST_TRIES = 30
 LEFT_FPS2 = 3e-3  # along the path
-LEFT = np.array([2e-3, 2e-4, 2e-4, 2e-4, 2e-3])  # ft/s^2 and rad/s^2, of ``ACCELERATIONS``
-ACCELERATIONS = tuple(
-    f"accelerations/{axis}" for axis in ("wdot-ft_sec2", "qdot-rad_sec2", "pdot-rad_sec2", "rdot-rad_sec2", "vdot-ft_sec2")
-)
+LEFT = np.array([2e-3, 2e-4, 2e-4, 2e-4, 2e-3])  # ft/s^2 and rad/s^2, of ``ACCELERATIONS`` but the first
+ACCELERATIONS = tuple(f"accelerations/{rate}_sec2" for rate in ("udot-ft", "wdot-ft", "qdot-rad", "pdot-rad", "rdot-rad", "vdot-ft"))
 STEP, LONGEST = 2e-3, 0.15  # of the differences, and of one step of Newton's method
 BOUNDS = np.array([35.0 * DEG, 1.0, 1.0, 1.0, 30.0 * DEG])
 SUSPENDED_RUNS = 4  # passes in which the angle-of-attack rate that drives the forces becomes the one that they cause
@@ -98,8 +96,7 @@ def find_balance(load: Callable[[], Fdm], speed_mps: float, climb_rad: float) ->
     slow: tuple[float, float] | None = None  # the highest throttle known to be too little, and what it leaves
     fast: tuple[float, float] | None = None
     for _ in range(MOST_TRIES):
-        balance = _balanced(fdm, speed_mps, climb_rad, _settled(fdm, speed_mps, climb_rad, balance))
-        left = _along(fdm)
+        balance, left = _balanced(fdm, speed_mps, climb_rad, balance, _settled(fdm, speed_mps, climb_rad, balance))
         if abs(left) <= LEFT_FPS2:
             return balance
         throttle = balance.throttle
@@ -130,8 +127,8 @@ def _set_throttle(fdm: Fdm, throttle: float) -> None:
         fdm[f"fcs/throttle-cmd-norm[{i}]"] = throttle
 
 
-def _settled(fdm: Fdm, speed_mps: float, climb_rad: float, balance: Balance) -> Balance:
-    """Hold until the thrust has not changed for two seconds."""
+def _settled(fdm: Fdm, speed_mps: float, climb_rad: float, balance: Balance) -> Array:
+    """Hold until the thrust has not changed for two seconds; what running engines add to the accelerations of ``_react``."""
     put(fdm, speed_mps, climb_rad, balance)
     weight, before, calm, seconds = fdm["inertia/weight-lbs"], math.inf, 0, 0.0
     while seconds < MOST_S and not (calm >= 2 and seconds >= LEAST_S):
@@ -140,32 +137,36 @@ def _settled(fdm: Fdm, speed_mps: float, climb_rad: float, balance: Balance) -> 
         thrust = fdm["forces/fbx-prop-lbs"] / weight
         calm = calm + 1 if abs(thrust - before) < STEADY else 0
         before = thrust
-    return balance
+    running = _accelerations(fdm)
+    return running - _react(fdm, speed_mps, climb_rad, balance)
 
 
-def _balanced(fdm: Fdm, speed_mps: float, climb_rad: float, balance: Balance) -> Balance:
-    """Newton's method on all but the acceleration along the path, with the engines as they are. Raises ``TrimFailedError``."""
+def _balanced(fdm: Fdm, speed_mps: float, climb_rad: float, balance: Balance, engines: Array) -> tuple[Balance, float]:
+    """Newton's method on all but the acceleration along the path, with the engines as they are; and that (ft/s^2).
+
+    Raises ``TrimFailedError``.
+    """
     x = np.array(balance[1:])
 
     def left(at: Array) -> Array:
-        return _react(fdm, speed_mps, climb_rad, Balance(balance.throttle, *at))
+        return _react(fdm, speed_mps, climb_rad, Balance(balance.throttle, *at)) + engines
 
     for _ in range(15):
         now = left(x)
         if not np.all(np.isfinite(now)):
             break
-        if np.all(np.abs(now) < LEFT):
-            return Balance(balance.throttle, *x.tolist())
+        if np.all(np.abs(now[1:]) < LEFT):
+            return Balance(balance.throttle, *x.tolist()), float(now[0] * math.cos(x[0]) + now[1] * math.sin(x[0]))
         steps = STEP * np.eye(len(x))
-        slopes = np.column_stack([(left(x + step) - left(x - step)) / (2.0 * STEP) for step in steps])
+        slopes = np.column_stack([(left(x + step) - left(x - step))[1:] / (2.0 * STEP) for step in steps])
         if not np.all(np.isfinite(slopes)) or np.linalg.cond(slopes) > 1e9:
             break
-        x = np.clip(x + np.clip(-np.linalg.solve(slopes, now), -LONGEST, LONGEST), -BOUNDS, BOUNDS)
+        x = np.clip(x + np.clip(-np.linalg.solve(slopes, now[1:]), -LONGEST, LONGEST), -BOUNDS, BOUNDS)
     raise TrimFailedError("no angle of attack and surfaces balance it")
 
 
 def _react(fdm: Fdm, speed_mps: float, climb_rad: float, balance: Balance) -> Array:
-    """The accelerations in that state, surfaces where they are told to be, engines as they are."""
+    """The accelerations in that state, surfaces where they are told to be, thrust as it is; some engines have no torque then."""
     fdm.set_trim_status(True)
     put(fdm, speed_mps, climb_rad, balance)
     fdm.suspend_integration()
@@ -173,10 +174,8 @@ def _react(fdm: Fdm, speed_mps: float, climb_rad: float, balance: Balance) -> Ar
         fdm.run()
     fdm.resume_integration()
     fdm.set_trim_status(False)
+    return _accelerations(fdm)
+
+
+def _accelerations(fdm: Fdm) -> Array:
     return np.array([fdm[name] for name in ACCELERATIONS])
-
-
-def _along(fdm: Fdm) -> float:
-    """Acceleration along the path, ft/s^2."""
-    alpha = fdm["aero/alpha-rad"]
-    return float(fdm["accelerations/udot-ft_sec2"] * math.cos(alpha) + fdm["accelerations/wdot-ft_sec2"] * math.sin(alpha))

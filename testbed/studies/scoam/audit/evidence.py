@@ -1,4 +1,4 @@
-"""One sentence of evidence for each row, made from its figures and from what else the printed numbers imply (``audit.notes``)."""
+"""One sentence of evidence for each row, made from its figures and from what else the printed numbers imply (``audit.implied``)."""
 
 import math
 from collections.abc import Mapping
