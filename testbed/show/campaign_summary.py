@@ -195,7 +195,7 @@ def cells(rows: Sequence[Row], axes: Sequence[str]) -> list[dict[str, Any]]:
             summary[column.name] = (number(median(known) if known else math.nan, column.digits), number(worst, column.digits), worst)
         lines.append(
             {
-                "place": circumstances(first, axes),
+                "circumstances": circumstances(first, axes),
                 "flyer": flyer(first),
                 "method": words.method(str(first["method"])),
                 "n": len(members),

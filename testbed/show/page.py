@@ -14,7 +14,7 @@ from testbed.results.checks import CheckResult
 from testbed.results.columns import METRICS
 from testbed.results.flight_row import collided, keeps, value
 from testbed.show import campaign_summary, words
-from testbed.show.assets import Lead, asset, environment, packed_json, plotly
+from testbed.show.assets import PageHead, asset, environment, packed_json, plotly
 from testbed.show.campaign_summary import Row
 from testbed.show.figures import figure_data
 from testbed.show.flight_summary import level_turn, radius_m
@@ -32,11 +32,11 @@ def render_page(
     series: Mapping[str, dict[str, Any] | None],
     provenance: dict[str, Any],
     checks: Sequence[CheckResult] = (),
-    lead: Lead | None = None,
+    head: PageHead | None = None,
 ) -> str:
     """The whole page. ``rows`` as in rows.jsonl, ``series`` by flight id, ``provenance`` whatever should be said of the run.
 
-    With a ``lead`` that comes first, and the ordinary parts are folded up below it.
+    With a ``head`` that comes first, and the ordinary parts are folded up below it.
     """
     rows = [row | {key: (series.get(row["flight_id"]) or {}).get(key) for key in ("encounter", "geometry")} for row in rows]
     axes, listed_axes = campaign_summary.telling_axes(rows), campaign_summary.listed_axes(rows)
@@ -51,7 +51,7 @@ def render_page(
         .get_template("index.html.j2")
         .render(
             campaign=campaign,
-            lead=lead,
+            head=head,
             axes=listed_axes,
             sentences=campaign_summary.verdict(checks) + (campaign_summary.sentences(rows, matched) if rows else ["No flight was flown."]),
             cards=campaign_summary.cards(rows) if rows else [],
@@ -72,8 +72,8 @@ def render_page(
             failures=[row for row in rows if row["outcome"] == Outcome.CRASHED],
             provenance=_flattened(provenance),
             has_pictures=has_pictures,
-            css=asset("page.css") + (lead.css if lead else Markup()),
-            script=asset("plot.js") + asset("page.js") + (lead.script if lead else Markup()) + Markup("Plots.run();"),
+            css=asset("page.css") + (head.css if head else Markup()),
+            script=asset("plot.js") + asset("page.js") + (head.script if head else Markup()) + Markup("Plots.run();"),
             figures=packed_json(figures) if has_pictures else "",
             plotly=plotly(),
         )
@@ -120,7 +120,7 @@ def _check(line: CheckResult) -> dict[str, Any]:
 def _pair(pair: campaign_summary.Pair, axes: Sequence[str]) -> dict[str, Any]:
     point, flown = (value(row, "least_clearance_m") for row in (pair.kinematic, pair.flown))
     return {
-        "place": campaign_summary.circumstances(
+        "circumstances": campaign_summary.circumstances(
             pair.flown, [a for a in axes if pair.flown["labels"].get(a) == pair.kinematic["labels"].get(a)]
         )
         or "the encounter",
@@ -159,7 +159,7 @@ def _decision(row: Row, event: Row, axes: Sequence[str]) -> dict[str, Any]:
     bank_deg, load = level_turn(math.hypot(*_vector(event, "own_vel_enu_mps")), curvature)
     radius = radius_m(curvature)
     return {
-        "place": campaign_summary.circumstances(row, axes) or "the encounter",
+        "circumstances": campaign_summary.circumstances(row, axes) or "the encounter",
         "flyer": campaign_summary.flyer(row),
         "method": words.method(str(event["method"])),
         "obstacle": event["obstacle"],

@@ -317,8 +317,8 @@ def test_crowded_cells_have_a_histogram_that_counts_every_flight() -> None:
     rng = np.random.default_rng(4)
     rms = np.append(rng.uniform(0.0, 0.4, 199), 9.0)
     rows = [{"cross_track_rms_m": float(x), "least_clearance_m": None} for x in rms]
-    few = {"n": 3, "rows": rows[:3], "place": "few", "flyer": "x", "method": "none"}
-    (metric,) = histograms([{"n": 200, "rows": rows, "place": "<b>", "flyer": "gtm_t2", "method": "none"}, few])
+    few = {"n": 3, "rows": rows[:3], "circumstances": "few", "flyer": "x", "method": "none"}
+    (metric,) = histograms([{"n": 200, "rows": rows, "circumstances": "<b>", "flyer": "gtm_t2", "method": "none"}, few])
     (picture,) = metric["pictures"]
     svg = str(picture["svg"])
     heights = [float(part.split('"')[0]) for part in svg.split('height="')[1:]]

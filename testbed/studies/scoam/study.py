@@ -28,7 +28,7 @@ class Scoam(Study):
         from testbed.studies.scoam.verdict import csv_bytes, judge
 
         found = judge(run.rows, event_reach, answer_ms(run.timings))
-        return Written({"verdict.csv": csv_bytes(found)}, lead=render(found, run.rows, run.series))
+        return Written({"verdict.csv": csv_bytes(found)}, head=render(found, run.rows, run.series))
 
 
 def answer_ms(timings: Sequence[Mapping[str, float]]) -> float:

@@ -175,10 +175,10 @@ def test_a_part_that_is_missing_is_left_out(verdict: SimpleNamespace, flown: tup
 
 def test_nothing_at_all() -> None:
     nothing = SimpleNamespace(claims=(), waterfalls=(), controls=(), ranks=(), cases=(), air=(), counted=())
-    lead = render(nothing, [], {})
-    assert not lead.nav
-    assert "<section" not in lead.html
-    assert "No flight was flown." in render_page(campaign(), [], {}, PROVENANCE, lead=lead)
+    head = render(nothing, [], {})
+    assert not head.nav
+    assert "<section" not in head.html
+    assert "No flight was flown." in render_page(campaign(), [], {}, PROVENANCE, head=head)
 
 
 def test_words_from_outside_stay_words(verdict: SimpleNamespace, flown: tuple[list[Row], dict[str, Any]]) -> None:
@@ -258,7 +258,7 @@ def test_the_flights_shown_can_be_opened_and_flown_again(verdict: SimpleNamespac
 def test_the_verdict_comes_first_and_the_ordinary_page_is_folded_below(
     verdict: SimpleNamespace, flown: tuple[list[Row], dict[str, Any]]
 ) -> None:
-    once, twice = (render_page(campaign(), *flown, PROVENANCE, lead=render(verdict, *flown)) for _ in range(2))
+    once, twice = (render_page(campaign(), *flown, PROVENANCE, head=render(verdict, *flown)) for _ in range(2))
     assert once == twice
     assert len(once.encode()) < 3_000_000
     text = text_of(once)
@@ -280,7 +280,7 @@ def test_the_verdict_comes_first_and_the_ordinary_page_is_folded_below(
 def test_a_browser_draws_both_aircraft_and_opens_the_fold(
     browser: Any, verdict: SimpleNamespace, flown: tuple[list[Row], dict[str, Any]], tmp_path: Path
 ) -> None:
-    (tmp_path / "index.html").write_text(render_page(campaign(), *flown, PROVENANCE, lead=render(verdict, *flown)), encoding="utf-8")
+    (tmp_path / "index.html").write_text(render_page(campaign(), *flown, PROVENANCE, head=render(verdict, *flown)), encoding="utf-8")
     problems: list[str] = []
     for scheme, width in (("light", 1300), ("dark", 390)):
         page = browser.new_page(color_scheme=scheme, viewport={"width": width, "height": 900})

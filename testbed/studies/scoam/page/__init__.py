@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from testbed.show import words
-from testbed.show.assets import Lead, asset, environment, packed_json
+from testbed.show.assets import PageHead, asset, environment, packed_json
 from testbed.show.campaign_summary import Row
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Waterfall
 from testbed.studies.scoam.page import bars, detail, paper_names, picture_data, table
@@ -24,7 +24,7 @@ MEANING = {
 }
 
 
-def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]) -> Lead:
+def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]) -> PageHead:
     """The leading part of the page. ``rows`` as in rows.jsonl, ``series`` by flight id; whatever is missing is left out."""
     data = picture_data.picture_data(rows, series)
     parts = {
@@ -51,7 +51,7 @@ def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[st
         ("verdict-controls", "Controls", parts["controls"]),
     )
     nav = tuple((anchor, name) for anchor, name, there in sections if there)
-    return Lead(Markup(html), asset("verdict.css", __name__), asset("verdict.js", __name__), nav)
+    return PageHead(Markup(html), asset("verdict.css", __name__), asset("verdict.js", __name__), nav)
 
 
 def _by_name(item: tuple[str, dict[str, Any]]) -> tuple[bool, str]:

@@ -81,11 +81,11 @@ def _row(claim: Claim, name_aircraft: bool) -> dict[str, Any]:
     values = (claim.kinematic, claim.point_mass, claim.flown_calm)
     air = claim.flown_air
     unit = claim.unit if len(claim.unit) <= SHORT else ""  # a long one stands beside the quantity
-    place = (named(READINGS, claim.reading), named(AIRCRAFT, claim.aircraft) if name_aircraft and claim.aircraft else "")
+    under = (named(READINGS, claim.reading), named(AIRCRAFT, claim.aircraft) if name_aircraft and claim.aircraft else "")
     printed = "" if claim.key.startswith(IN_WORDS) else claim.paper
     return {
         "lesser": False,
-        "reading": ", ".join(part for part in place if part),
+        "reading": ", ".join(part for part in under if part),
         "quantity": ", ".join(part for part in (claim.quantity, claim.unit if not unit else "") if part),
         "paper": f"{printed} {_unit(claim.unit)}".rstrip() if printed else "",
         "cells": [words.amount(value, unit, digits) for value in values],
