@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from testbed import expand, fly, load_campaign, measure
-from testbed.airframe.courses import turn_radius
 from testbed.airframe.new import NewAircraftError, add_aircraft
+from testbed.airframe.proof_courses import turn_radius
 from testbed.airframe.tune import TuneFailedError, tune
 from testbed.campaign.reading.aircraft import read_aircraft
 from testbed.core.catalogue import add_aircraft_path

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
+from testbed.airframe.gains import rounded
 from testbed.airframe.gains_file import PLACEHOLDER
-from testbed.airframe.place import rounded
 from testbed.airframe.trim import LiftCurve
 from testbed.campaign.words.aircraft import Aircraft, AutopilotGains, GuidanceGains, Limits, Model, PointMass
 from testbed.core.units import DEG, G0_MPS2

@@ -3,7 +3,7 @@
 The same procedure for every aircraft, at its reference airspeed; no number in it belongs to one of them:
 
 1. trim and linearise; measure what linearising does not see (servo, sampling, engine, full-aileron roll);
-2. place the inner loops on the linear model: least step error below a greatest sensitivity (``place.py``);
+2. gains of the inner loops on the linear model: least step error below a greatest sensitivity (``gains.py``);
 3. step the closed loops of the real plant and autopilot; what each is late is the look-ahead of guidance;
 4. give guidance the bandwidth at which its own loop, closed through those measured responses, reaches its greatest sensitivity;
 5. verify: step responses within bounds, and a course of bends near the turn limit.
@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
+from testbed.airframe.gains import lateral_gains, pitch_gains, roll_rate_limit, rounded
 from testbed.airframe.gains_file import changes, write_gains
 from testbed.airframe.identify import (
     StepResponse,
@@ -28,7 +29,6 @@ from testbed.airframe.identify import (
     turn_response,
 )
 from testbed.airframe.linearise import LinearModel, linearise, load_factor_per_rad
-from testbed.airframe.place import place_lateral, place_pitch, roll_rate_limit, rounded
 from testbed.airframe.trim import fastest_level, lift_curve, stall_speed, steepest_climb, trim
 from testbed.airframe.verify import Check, line, verify
 from testbed.core.units import DEG, G0_MPS2
@@ -82,7 +82,7 @@ def tune(name: str, write: bool, accept: bool = False) -> str:
 
 def _best(aircraft: Aircraft) -> tuple[Aircraft, list[Check]]:
     """The fastest that passes its verification; where none does, the one that exceeds its bounds by the smallest factor."""
-    base = placed(aircraft)
+    base = with_inner_loops(aircraft)
     tried: list[tuple[float, Aircraft, list[Check]]] = []
     for pace in PACES:
         after = identified(base, pace)
@@ -110,8 +110,8 @@ def _verdict(before: Aircraft, missed: tuple[str, ...]) -> dict[str, Any]:
     return {"verified": True, "missed": None} if not before.verified or before.missed else {}
 
 
-class Placed(NamedTuple):
-    """An aircraft with measured limits and placed inner loops, its linear model, and what its engine does for it."""
+class InnerLoops(NamedTuple):
+    """An aircraft with measured limits and gains of its inner loops, its linear model, and what its engine does for it."""
 
     aircraft: Aircraft
     model: LinearModel
@@ -119,23 +119,23 @@ class Placed(NamedTuple):
 
 
 def find_gains(aircraft: Aircraft) -> Aircraft:
-    """The aircraft with measured limits, placed loops and identified lags."""
-    return identified(placed(aircraft), 1.0)
+    """The aircraft with measured limits, gains of the inner loops and identified lags."""
+    return identified(with_inner_loops(aircraft), 1.0)
 
 
-def placed(aircraft: Aircraft) -> Placed:
-    """Limits measured and inner loops placed."""
+def with_inner_loops(aircraft: Aircraft) -> InnerLoops:
+    """Limits measured, and gains of the inner loops found."""
     speed = aircraft.autopilot.reference_mps
     model = linearise(Rig(aircraft, speed))
     lags = surface_lags(aircraft, model)
-    gains = place_pitch(model, place_lateral(model, aircraft.autopilot, lags), lags)
+    gains = pitch_gains(model, lateral_gains(model, aircraft.autopilot, lags), lags)
     power = _power(aircraft, speed)
-    return Placed(_changed(_measured(aircraft, speed), autopilot=gains.model_dump() | place_throttle(power, math.inf)), model, power)
+    return InnerLoops(_changed(_measured(aircraft, speed), autopilot=gains.model_dump() | throttle_gains(power, math.inf)), model, power)
 
 
-def identified(placed: Placed, pace: float) -> Aircraft:
-    """The aircraft with inner loops that many times as fast as they were placed, lags as they are flown then, and guidance to fit."""
-    aircraft, model, power = placed
+def identified(inner: InnerLoops, pace: float) -> Aircraft:
+    """The aircraft with inner loops that many times as fast as they were found, lags as they are flown then, and guidance to fit."""
+    aircraft, model, power = inner
     speed = aircraft.autopilot.reference_mps
     if pace != 1.0:
         slower = {key: rounded(pace * getattr(aircraft.autopilot, key)) for key in PACED}
@@ -143,10 +143,10 @@ def identified(placed: Placed, pace: float) -> Aircraft:
     (bank, flown), (lift, _) = bank_step(aircraft, speed), load_factor_step(aircraft, speed)
     turn = turn_response(flown)
     bandwidth = max(SLOWEST_BANDWIDTH_RAD_S, round(pace * guidance_bandwidth(bank, lift, turn), 2))
-    leads = {"bank_lead_s": rounded(max(0.0, turn.lag_s(bandwidth))), "load_factor_lead_s": rounded(max(0.0, lift.lag_s(bandwidth)))}
+    ahead = {"bank_lead_s": rounded(max(0.0, turn.lag_s(bandwidth))), "load_factor_lead_s": rounded(max(0.0, lift.lag_s(bandwidth)))}
     integral = rounded(INTEGRAL_SHARE * bandwidth)
-    aircraft = _changed(aircraft, guidance={"bandwidth_rad_s": bandwidth, "damping": DAMPING, "integral_1ps": integral, **leads})
-    aircraft = _changed(aircraft, autopilot=place_throttle(power, bandwidth))
+    aircraft = _changed(aircraft, guidance={"bandwidth_rad_s": bandwidth, "damping": DAMPING, "integral_1ps": integral, **ahead})
+    aircraft = _changed(aircraft, autopilot=throttle_gains(power, bandwidth))
     point = _as_point(aircraft, power, turn.lag_s(bandwidth), lift.lag_s(bandwidth)) | _in_gusts(aircraft, model)
     return _changed(aircraft, point_mass=point)
 
@@ -187,7 +187,7 @@ def _power(aircraft: Aircraft, speed: float) -> Power:
     return Power(steepest, per_g, max(LEAST_LAG_S, thrust_lag_s(aircraft, speed)))
 
 
-def place_throttle(power: Power, bandwidth: float) -> dict[str, float]:
+def throttle_gains(power: Power, bandwidth: float) -> dict[str, float]:
     """Feed-forward from the trims, PI with a crossover that the lag of the engine and the guidance bandwidth (rad/s) allow."""
     crossover = min(SPEED_LOOP_LAGS / power.lag_s, SPEED_LOOP_SHARE * bandwidth, FASTEST_SPEED_LOOP_RAD_S)
     return {

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from testbed.airframe.courses import random_bends, turn_radius
 from testbed.airframe.identify import bank_step, load_factor_step, speed_step, surface_lags
 from testbed.airframe.linearise import linearise
 from testbed.airframe.loops import lateral, pitch
+from testbed.airframe.proof_courses import random_bends, turn_radius
 from testbed.airframe.trial import follow
 from testbed.airframe.trim import steepest_climb
 from testbed.core.units import DEG

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.flight.record import Outcome
-from testbed.run import identity, journal, keep, manifest
+from testbed.run import identity, journal, manifest, storing
 from testbed.run import world as world_files
 from testbed.run.directory import RunDirectory
 from testbed.run.engines import Died, Engine
@@ -107,7 +107,7 @@ def _note_overrides(order: Order) -> bytes:
 def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Sequence[FlightPlan], about: Manifest, world: World) -> int:
     """Fly the plans that have no row yet, and again those that crashed: memory or disk may have been short."""
     done = {flight_id for flight_id, result in rows_of(directory).items() if result.row["outcome"] != Outcome.CRASHED.value}
-    jobs = [job for job in keep.jobs(directory, campaign, plans, world) if job.plan.flight_id not in done]
+    jobs = [job for job in storing.jobs(directory, campaign, plans, world) if job.plan.flight_id not in done]
     if not jobs:
         return 0
     how = {"command": shlex.join(order.command), "engine": order.engine.name, "workers": order.engine.workers}

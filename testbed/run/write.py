@@ -43,7 +43,7 @@ def write_results(
     if page is None:
         from testbed.show.page import render_page
 
-        page = render_page(campaign, rows, series, told, checks, made.lead)
+        page = render_page(campaign, rows, series, told, checks, made.head)
     directory.put("index.html", page.encode())
     return checks
 

@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 
 @dataclass(frozen=True)
-class Lead:
+class PageHead:
     """A part that stands on top of a campaign's page, above its ordinary parts."""
 
     html: Markup

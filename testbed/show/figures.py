@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from testbed.results.rows import collided, value
+from testbed.results.flight_row import collided, value
 from testbed.show import palette, words
-from testbed.show.answer import KINEMATIC, Row, circumstances, flyer
+from testbed.show.campaign_summary import KINEMATIC, Row, circumstances, flyer
 
 MOST_PER_GROUP = 30
 MOST_IN_ALL = 150  # keeps the page under 3 MB

@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from testbed.results.columns import BY_NAME
-from testbed.results.rows import value
+from testbed.results.flight_row import value
 from testbed.show.words import number
 
 FEWEST = 20  # flights in a cell below which a histogram says less than the numbers
@@ -27,7 +27,7 @@ def histograms(cells: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
         low, high = np.percentile(np.concatenate(known), [1.0 if key == "least_clearance_m" else 0.0, 99.0])
         edges = np.linspace(min(low, 0.0), high if high > min(low, 0.0) else low + 1.0, BINS + 1)
         pictures = [
-            {"title": " ".join(filter(None, (cell["place"], cell["flyer"], cell["method"]))), "svg": _svg(values, edges, key)}
+            {"title": " ".join(filter(None, (cell["circumstances"], cell["flyer"], cell["method"]))), "svg": _svg(values, edges, key)}
             for cell, values in zip(crowded, known, strict=True)
             if len(values)
         ]

@@ -12,14 +12,14 @@ from testbed.core.units import DEG
 from testbed.flight.record import NEW_PATH, Outcome
 from testbed.results.checks import CheckResult
 from testbed.results.columns import METRICS
-from testbed.results.rows import collided, keeps, value
-from testbed.show import answer, words
-from testbed.show.answer import Row
-from testbed.show.assets import Lead, asset, environment, packed_json, plotly
-from testbed.show.columns import DECISION_TERMS, PAIRED, SHOWN, SUMMARISED, text
+from testbed.results.flight_row import collided, keeps, value
+from testbed.show import campaign_summary, words
+from testbed.show.assets import PageHead, asset, environment, packed_json, plotly
+from testbed.show.campaign_summary import Row
 from testbed.show.figures import figure_data
+from testbed.show.flight_summary import level_turn, radius_m
 from testbed.show.histogram import histograms
-from testbed.show.story import level_turn, radius_m
+from testbed.show.shown_columns import DECISION_TERMS, PAIRED, SHOWN, SUMMARISED, text
 from testbed.show.words import number
 
 MOST_FLIGHT_ROWS, MOST_DECISION_ROWS, MOST_CELL_ROWS = 300, 100, 300
@@ -32,29 +32,29 @@ def render_page(
     series: Mapping[str, dict[str, Any] | None],
     provenance: dict[str, Any],
     checks: Sequence[CheckResult] = (),
-    lead: Lead | None = None,
+    head: PageHead | None = None,
 ) -> str:
     """The whole page. ``rows`` as in rows.jsonl, ``series`` by flight id, ``provenance`` whatever should be said of the run.
 
-    With a ``lead`` that comes first, and the ordinary parts are folded up below it.
+    With a ``head`` that comes first, and the ordinary parts are folded up below it.
     """
     rows = [row | {key: (series.get(row["flight_id"]) or {}).get(key) for key in ("encounter", "geometry")} for row in rows]
-    axes, listed_axes = answer.telling_axes(rows), answer.listed_axes(rows)
-    matched = answer.pairs(rows)
+    axes, listed_axes = campaign_summary.telling_axes(rows), campaign_summary.listed_axes(rows)
+    matched = campaign_summary.pairs(rows)
     listed = _worst_first(rows) if len(rows) > MOST_FLIGHT_ROWS else rows
     decisions = [_decision(row, event, axes) for row in rows if row["method"] != "none" for event in row["events"]]
     figures = figure_data(rows, series, axes)
-    by_cell = answer.cells(rows, axes) if len(rows) >= CELLS_FROM or any(row["replicate"] for row in rows) else []
+    by_cell = campaign_summary.cells(rows, axes) if len(rows) >= CELLS_FROM or any(row["replicate"] for row in rows) else []
     has_pictures = bool(figures["groups"])
     return (
         environment()
         .get_template("index.html.j2")
         .render(
             campaign=campaign,
-            lead=lead,
+            head=head,
             axes=listed_axes,
-            sentences=answer.verdict(checks) + (answer.sentences(rows, matched) if rows else ["No flight was flown."]),
-            cards=answer.cards(rows) if rows else [],
+            sentences=campaign_summary.verdict(checks) + (campaign_summary.sentences(rows, matched) if rows else ["No flight was flown."]),
+            cards=campaign_summary.cards(rows) if rows else [],
             checks=[_check(line) for line in checks],
             pairs=[_pair(pair, axes) for pair in matched],
             cells=by_cell[:MOST_CELL_ROWS],
@@ -72,8 +72,8 @@ def render_page(
             failures=[row for row in rows if row["outcome"] == Outcome.CRASHED],
             provenance=_flattened(provenance),
             has_pictures=has_pictures,
-            css=asset("page.css") + (lead.css if lead else Markup()),
-            script=asset("plot.js") + asset("page.js") + (lead.script if lead else Markup()) + Markup("Plots.run();"),
+            css=asset("page.css") + (head.css if head else Markup()),
+            script=asset("plot.js") + asset("page.js") + (head.script if head else Markup()) + Markup("Plots.run();"),
             figures=packed_json(figures) if has_pictures else "",
             plotly=plotly(),
         )
@@ -95,7 +95,7 @@ def _flight(row: Row, axes: Sequence[str]) -> dict[str, Any]:
         "outcome_text": words.outcome(str(row["outcome"])),
         "labels": [str(row["labels"].get(axis, "")) for axis in axes],
         "replicate": row["replicate"],
-        "flyer": answer.flyer(row),
+        "flyer": campaign_summary.flyer(row),
         "method": words.method(str(row["method"])),
         "cells": [{"text": text(column, row), "sort": _sortable(value(row, column.name))} for column in SHOWN],
         "collided": collided(row),
@@ -117,12 +117,14 @@ def _check(line: CheckResult) -> dict[str, Any]:
     }
 
 
-def _pair(pair: answer.Pair, axes: Sequence[str]) -> dict[str, Any]:
+def _pair(pair: campaign_summary.Pair, axes: Sequence[str]) -> dict[str, Any]:
     point, flown = (value(row, "least_clearance_m") for row in (pair.kinematic, pair.flown))
     return {
-        "place": answer.circumstances(pair.flown, [a for a in axes if pair.flown["labels"].get(a) == pair.kinematic["labels"].get(a)])
+        "circumstances": campaign_summary.circumstances(
+            pair.flown, [a for a in axes if pair.flown["labels"].get(a) == pair.kinematic["labels"].get(a)]
+        )
         or "the encounter",
-        "flyer": answer.flyer(pair.flown),
+        "flyer": campaign_summary.flyer(pair.flown),
         "method": words.method(str(pair.flown["method"])),
         "verdict": pair.verdict,
         "good": keeps(pair.flown),
@@ -157,8 +159,8 @@ def _decision(row: Row, event: Row, axes: Sequence[str]) -> dict[str, Any]:
     bank_deg, load = level_turn(math.hypot(*_vector(event, "own_vel_enu_mps")), curvature)
     radius = radius_m(curvature)
     return {
-        "place": answer.circumstances(row, axes) or "the encounter",
-        "flyer": answer.flyer(row),
+        "circumstances": campaign_summary.circumstances(row, axes) or "the encounter",
+        "flyer": campaign_summary.flyer(row),
         "method": words.method(str(event["method"])),
         "obstacle": event["obstacle"],
         "decision": words.read_aloud(str(event["decision"])),

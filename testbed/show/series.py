@@ -10,7 +10,7 @@ import numpy as np
 from testbed.core.units import DEG
 from testbed.flight.record import FlightRecord, PlannedPath
 from testbed.results.quantities import demanded_roll_rate
-from testbed.show.story import path_points, who
+from testbed.show.flight_summary import path_points, who
 
 Array = np.ndarray
 Series = dict[str, Any]
@@ -42,7 +42,7 @@ def flight_series(record: FlightRecord) -> Series:
         "encounter": encounter_key(record),
         "geometry": record.plan.geometry,
         "time_s": rounded(time_s[rows], 3),
-        **_places(record.columns["own.pos_enu_m"][rows]),
+        **_axes_of(record.columns["own.pos_enu_m"][rows]),
         "clearance_m": rounded(clearance[rows], 3) if record.plan.obstacles else [],
         **{name: rounded(record.columns[column][rows] * factor, digits) for name, column, factor, digits in CURVES},
         ROLL_RATE: rounded(roll_rate[rows] / DEG, 1),
@@ -71,7 +71,7 @@ def rounded(values: Array, digits: int) -> list[float | None]:
     return [round(float(value), digits) + 0.0 if math.isfinite(value) else None for value in values]
 
 
-def _places(points: Array) -> dict[str, list[float | None]]:
+def _axes_of(points: Array) -> dict[str, list[float | None]]:
     return {axis: rounded(points[:, k], 2) for k, axis in enumerate("xyz")}
 
 
@@ -104,7 +104,7 @@ def _chosen_rows(record: FlightRecord, clearance: Array, roll_rate: Array) -> Ar
 
 def _path(path: PlannedPath) -> dict[str, Any]:
     pieces = path_points(path, PATH_SAMPLES)
-    return {"from_s": round(path.from_time_s, 3), **_places(np.vstack(pieces))}
+    return {"from_s": round(path.from_time_s, 3), **_axes_of(np.vstack(pieces))}
 
 
 def _obstacles(record: FlightRecord) -> list[dict[str, Any]]:
@@ -118,7 +118,7 @@ def _obstacles(record: FlightRecord) -> list[dict[str, Any]]:
             {
                 "name": spec.name,
                 "radius_m": spec.radius_m,
-                **_places(pos[around[[0, -1]]]),
+                **_axes_of(pos[around[[0, -1]]]),
                 "nearest_time_s": round(float(record.columns["time_s"][nearest]), 3),
                 "nearest_enu_m": rounded(pos[nearest], 2),
             }

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 if TYPE_CHECKING:
     from testbed.campaign.words.settings import Campaign, FlightPlan
     from testbed.campaign.words.study import Labels
-    from testbed.show.assets import Lead
+    from testbed.show.assets import PageHead
 
 Row = dict[str, Any]
 
@@ -43,7 +43,7 @@ class Written:
 
     files: Mapping[str, bytes] = field(default_factory=dict)
     """Name in the run directory to content."""
-    lead: "Lead | None" = None
+    head: "PageHead | None" = None
     """What stands on top of the ordinary page, which is folded up below it."""
     page: str | None = None
     """A page of its own instead."""

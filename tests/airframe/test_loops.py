@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from testbed.airframe.gains import MOST_SENSITIVITY, lateral_gains, pitch_gains, search
 from testbed.airframe.linearise import linearise
 from testbed.airframe.loops import ClosedLoop, elevator_per_load_factor, lateral, pitch
-from testbed.airframe.place import MOST_SENSITIVITY, place_lateral, place_pitch, search
 from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.rig import Rig
 
@@ -44,10 +44,10 @@ def test_search_finds_a_minimum_in_a_corner() -> None:
 
 
 @pytest.mark.parametrize(("name", "speed"), [("gtm_t2", 50.0), ("t37", 90.0)])
-def test_placed_loops_are_stable_and_as_robust_as_they_should_be(name: str, speed: float) -> None:
+def test_inner_loops_are_stable_and_as_robust_as_they_should_be(name: str, speed: float) -> None:
     aircraft = load_aircraft(name)
     model = linearise(Rig(aircraft, speed))
-    gains = place_pitch(model, place_lateral(model, aircraft.autopilot, LAGS), LAGS)
+    gains = pitch_gains(model, lateral_gains(model, aircraft.autopilot, LAGS), LAGS)
     for loop in (lateral(model, gains, LAGS), pitch(model, gains, LAGS)):
         assert loop.stable
         assert loop.sensitivity() <= MOST_SENSITIVITY + 1e-3
@@ -59,7 +59,7 @@ def test_feed_forward_of_the_rudder_makes_a_turn_without_sideslip() -> None:
     """Steady turn by hand: with v = p = 0 and r = (g / V) cos(pitch) bank, the yawing moments of turn rate, aileron and rudder cancel."""
     aircraft = load_aircraft("t37")  # adverse yaw: its aileron yaws as much as its rudder
     model = linearise(Rig(aircraft, 90.0))
-    gains = place_lateral(model, aircraft.autopilot, LAGS)
+    gains = lateral_gains(model, aircraft.autopilot, LAGS)
     turn_rate, aileron = 0.1, 0.2
     rudder = gains.rudder_per_aileron * aileron + gains.rudder_per_turn_rate_s * turn_rate
     moment = model.a_lat[2, 2] * turn_rate + model.b_lat[2] @ [aileron, rudder]

@@ -162,7 +162,7 @@ def test_a_model_of_one_s_own(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_settled_aircraft_climbs_and_turns_from_its_start() -> None:
     """A path that climbs at once, in a bend: the flight begins on it with the power of the climb, within 2 m."""
-    from testbed.airframe.courses import random_bends
+    from testbed.airframe.proof_courses import random_bends
 
     aircraft = read_aircraft(AIRCRAFT_ROOT / "c172p")
     settled = aircraft.model_copy(update={"model": aircraft.model.model_copy(update={"start": "settled"})})

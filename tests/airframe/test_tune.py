@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from testbed.airframe import tune as tuning
-from testbed.airframe.courses import random_path, swerve, turn_radius
 from testbed.airframe.identify import StepResponse, gust_step
 from testbed.airframe.linearise import linearise
+from testbed.airframe.proof_courses import random_path, swerve, turn_radius
 from testbed.airframe.trial import follow
 from testbed.airframe.trim import steepest_climb
 from testbed.core.frames import wind_enu_from_compass
@@ -70,7 +70,7 @@ def test_writing_gains_keeps_comments(tmp_path: Path) -> None:
 
 
 def test_gains_that_fail_their_check_are_not_written(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tuning, "placed", lambda aircraft: aircraft)
+    monkeypatch.setattr(tuning, "with_inner_loops", lambda aircraft: aircraft)
     monkeypatch.setattr(tuning, "identified", lambda aircraft, _pace: aircraft)
     monkeypatch.setattr(tuning, "verify", lambda _: [tuning.Check("overshoot", math.nan, 5.0, "%")])
     monkeypatch.setattr(tuning, "write_gains", lambda *_: pytest.fail("written"))
@@ -82,7 +82,7 @@ def test_slower_gains_are_tried_and_accepted_ones_say_what_they_missed(monkeypat
     """Of four paces none passes; 0.6 misses least. Without --accept nothing is written; with it, that one is, and what it missed."""
     overshoot = {1.0: 9.0, 0.8: 7.0, 0.6: 6.0, 0.4: 8.0}
     written: list[dict[str, object]] = []
-    monkeypatch.setattr(tuning, "placed", lambda aircraft: aircraft)
+    monkeypatch.setattr(tuning, "with_inner_loops", lambda aircraft: aircraft)
     monkeypatch.setattr(
         tuning,
         "identified",

@@ -11,8 +11,8 @@ from testbed.core.chain import Chain
 from testbed.flight.planning.rejoin import miss_along
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.sensing import Seen
-from testbed.results.rows import collided
-from testbed.show.story import event_sentence, leg_names
+from testbed.results.flight_row import collided
+from testbed.show.flight_summary import event_sentence, leg_names
 from tests.plans import GTM, KINEMATIC, paper_obstacle, plan
 from vosc import ph
 

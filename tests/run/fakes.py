@@ -126,9 +126,9 @@ def fly_badly(job):
     return fly(job)
 
 
-def page(campaign, rows, series, provenance, checks, lead):
+def page(campaign, rows, series, provenance, checks, head):
     """A page that shows all it is given."""
-    return json.dumps([campaign.name, rows, series, provenance, [str(line) for line in checks], lead], sort_keys=True)
+    return json.dumps([campaign.name, rows, series, provenance, [str(line) for line in checks], head], sort_keys=True)
 
 
 def ignores_ctrl_c(_item):

@@ -18,7 +18,7 @@ from testbed.campaign.words.settings import Campaign
 from testbed.flight.record import FlightRecord
 from testbed.results.checks import CheckResult
 from testbed.results.columns import METRICS, FlightMetrics
-from testbed.show import answer, figures
+from testbed.show import campaign_summary, figures
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
 
@@ -112,9 +112,14 @@ def test_axes_that_only_some_parts_have(four: tuple[list[Row], dict[str, Any]]) 
         row |= {"plant": "jsbsim", "method": labels.get("method.kind", "none")}
     page = parsed(render_page(campaign(), rows, series, PROVENANCE))
     text = " ".join(" ".join(page.text).split())
-    assert answer.listed_axes(rows) == answer.telling_axes(rows) == ["part", "reading"]
+    assert campaign_summary.listed_axes(rows) == campaign_summary.telling_axes(rows) == ["part", "reading"]
     assert "None" not in text
-    assert [answer.circumstances(row, answer.telling_axes(rows)) for row in rows] == ["first", "first", "second, a", "second, b"]
+    assert [campaign_summary.circumstances(row, campaign_summary.telling_axes(rows)) for row in rows] == [
+        "first",
+        "first",
+        "second, a",
+        "second, b",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -135,7 +140,7 @@ def test_a_pair_is_judged_by_the_rule_that_the_studies_have(
     rows, series = four
     for k, (outcome, clearance) in ((1, point), (3, craft)):
         rows[k] |= {"outcome": outcome, "least_clearance_m": clearance}
-    assert answer.Pair(rows[1], rows[3]).verdict == verdict
+    assert campaign_summary.Pair(rows[1], rows[3]).verdict == verdict
     page = render_page(campaign(), rows, series, PROVENANCE)
     line = page[page.index("SCOAM", page.index('id="pairs"')) :]
     colour, word = re.findall(r'badge-(\w+)">((?:fails|kept|not)[^<]*)</span>', line)[0]
@@ -159,9 +164,9 @@ def test_the_answer_in_words_follows_the_rows(four: tuple[list[Row], dict[str, A
 def test_where_there_was_no_obstacle_nothing_is_said_of_one(four: tuple[list[Row], dict[str, Any]]) -> None:
     rows, _ = four
     alone = [row | {"least_clearance_m": math.nan} for row in rows]
-    assert not any("obstacle" in sentence for sentence in answer.sentences(alone, []))
-    assert "collisions" not in [card["name"] for card in answer.cards(alone)]
-    assert "collisions" in [card["name"] for card in answer.cards(rows)]
+    assert not any("obstacle" in sentence for sentence in campaign_summary.sentences(alone, []))
+    assert "collisions" not in [card["name"] for card in campaign_summary.cards(alone)]
+    assert "collisions" in [card["name"] for card in campaign_summary.cards(rows)]
 
 
 def test_the_shades_of_crowded_cells_stand_out_by_day_and_by_night(four: tuple[list[Row], dict[str, Any]]) -> None:
@@ -312,8 +317,8 @@ def test_crowded_cells_have_a_histogram_that_counts_every_flight() -> None:
     rng = np.random.default_rng(4)
     rms = np.append(rng.uniform(0.0, 0.4, 199), 9.0)
     rows = [{"cross_track_rms_m": float(x), "least_clearance_m": None} for x in rms]
-    few = {"n": 3, "rows": rows[:3], "place": "few", "flyer": "x", "method": "none"}
-    (metric,) = histograms([{"n": 200, "rows": rows, "place": "<b>", "flyer": "gtm_t2", "method": "none"}, few])
+    few = {"n": 3, "rows": rows[:3], "circumstances": "few", "flyer": "x", "method": "none"}
+    (metric,) = histograms([{"n": 200, "rows": rows, "circumstances": "<b>", "flyer": "gtm_t2", "method": "none"}, few])
     (picture,) = metric["pictures"]
     svg = str(picture["svg"])
     heights = [float(part.split('"')[0]) for part in svg.split('height="')[1:]]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from testbed.flight.record import Outcome
 from testbed.show import words
-from testbed.studies.scoam.verdict import saying
+from testbed.studies.scoam.verdict import csv_words
 from vosc.methods import METHODS
 
 
@@ -22,7 +22,7 @@ def test_a_share_reads_0_or_100_only_where_it_is(part: int, whole: int) -> None:
         assert 0.0 < share < 0.001
     else:
         assert abs(float(text.removesuffix(" %")) - 100.0 * share) <= 0.5 + 1e-9
-    assert saying.percent(share) == text
+    assert csv_words.percent(share) == text
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))

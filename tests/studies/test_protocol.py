@@ -23,7 +23,7 @@ STUDIES = ("scoam", "lead_time")
 TALLY = """\
 from markupsafe import Markup
 
-from testbed.show.assets import Lead
+from testbed.show.assets import PageHead
 from testbed.studies.study import Run, Study, Written
 
 
@@ -41,8 +41,8 @@ class Tally(Study):
 
     def write(self, run: Run) -> Written:
         kept = sum(row.get("least_clearance_m", 0.0) >= self.least_m for row in run.rows)
-        lead = Lead(Markup(f'<h2 id="tally">{kept} of {len(run.rows)} keep the radius</h2>'), Markup(), Markup(), (("tally", "Tally"),))
-        return Written({"tally.csv": f"kept,flights\\n{kept},{len(run.rows)}\\n".encode()}, lead)
+        head = PageHead(Markup(f'<h2 id="tally">{kept} of {len(run.rows)} keep the radius</h2>'), Markup(), Markup(), (("tally", "Tally"),))
+        return Written({"tally.csv": f"kept,flights\\n{kept},{len(run.rows)}\\n".encode()}, head)
 """
 CAMPAIGN = """\
 name: tally

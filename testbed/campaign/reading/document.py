@@ -6,10 +6,10 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from testbed.campaign.reading.error_words import worded
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import Problem, Spot, did_you_mean
 from testbed.campaign.reading.vocabulary import Loc
-from testbed.campaign.reading.wording import worded
 from testbed.campaign.words.settings import Campaign
 
 UNKNOWN = ("extra_forbidden", "unknown_option")

@@ -32,18 +32,18 @@ def label_problems(campaign: Campaign, tree: Tree, blocks: Sequence[Block]) -> l
 
 
 def _of_block(study: str, known: Axes, block: Block) -> list[Problem]:
-    place = f"the part '{block.part}'" if block.part else "the sweep"
+    scope = f"the part '{block.part}'" if block.part else "the sweep"
     problems = [found for axis in block.axes for found in _of_axis(study, known, block, axis)]
     missing = [name for name in known if name not in {axis.name for axis in block.axes}]
     spot, where = block.key("sweep")
-    return problems + [Problem(spot, where, f"{place} has no axis '{name}', which the study '{study}' needs") for name in missing]
+    return problems + [Problem(spot, where, f"{scope} has no axis '{name}', which the study '{study}' needs") for name in missing]
 
 
 def _of_axis(study: str, known: Axes, block: Block, axis: Axis) -> list[Problem]:
     where = f"{block.where}sweep.{axis.name}"
     if axis.name not in known:
-        place = f" in the part '{block.part}'" if block.part else ""
-        return [Problem(axis.spot, where, f"the study '{study}' knows no axis '{axis.name}'{place}", _known(axis.name, known))]
+        scope = f" in the part '{block.part}'" if block.part else ""
+        return [Problem(axis.spot, where, f"the study '{study}' knows no axis '{axis.name}'{scope}", _known(axis.name, known))]
     allowed = known[axis.name]
     if allowed is LabelKind.ANY:
         return []

@@ -191,8 +191,8 @@ class _Builder:
                 self.problems.append(Problem(_spot(key, self.source), "", "a key must be plain text"))
             elif key.value in own:
                 first = _spot(own[key.value][1], self.source)
-                place = f" (first in line {first.line})" if first.is_position else ""
-                self.problems.append(Problem(_spot(key, self.source), "", f"the key '{key.value}' is there twice{place}"))
+                before = f" (first in line {first.line})" if first.is_position else ""
+                self.problems.append(Problem(_spot(key, self.source), "", f"the key '{key.value}' is there twice{before}"))
             elif str(key.tag) == f"{_TAG}merge":
                 merged.extend(self._merged(value))
             else:

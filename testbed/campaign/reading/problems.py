@@ -63,8 +63,8 @@ class Spot:
         cut = max(0, self.column - LINE_WIDTH // 2) if len(text) > LINE_WIDTH else 0
         shown = text[cut : cut + LINE_WIDTH]
         # A tab is as wide as the terminal likes: repeat it, so that the caret stays below its column.
-        lead = "".join(TAB if character == TAB else " " for character in shown[: self.column - 1 - cut])
-        return f"{self.line:>6} | {_printable(shown, keep=TAB)}".rstrip() + f"\n{'':>6} | {lead}^ {hint}".rstrip()
+        indent = "".join(TAB if character == TAB else " " for character in shown[: self.column - 1 - cut])
+        return f"{self.line:>6} | {_printable(shown, keep=TAB)}".rstrip() + f"\n{'':>6} | {indent}^ {hint}".rstrip()
 
 
 NOWHERE = Spot(Source("", is_file=False))

@@ -115,8 +115,8 @@ class Encounters(Section):
             if time_s <= self.longest_s:
                 offset = one.miss_m * perpendicular(relative_vel, one.around_rad) - time_s * relative_vel
                 if np.linalg.norm(offset) > one.radius_m:
-                    place = vec3(np.array(self.own_at_enu_m) + offset)
-                    return self._obstacle(one.radius_m, place, one.speed_mps, direction_deg(vec3(one.direction)))
+                    position = vec3(np.array(self.own_at_enu_m) + offset)
+                    return self._obstacle(one.radius_m, position, one.speed_mps, direction_deg(vec3(one.direction)))
         raise NoEncounterError
 
     def _time_to_cpa(self, miss_m: float, closing_mps: float) -> float:
@@ -124,11 +124,11 @@ class Encounters(Section):
             return self.trigger.time_to_cpa_s
         return math.sqrt((self.trigger.range_m or 0.0) ** 2 - miss_m**2) / closing_mps if closing_mps > 0.0 else math.inf
 
-    def _obstacle(self, radius_m: float, place: Point, speed_mps: float, direction: Direction) -> dict[str, Any]:
+    def _obstacle(self, radius_m: float, position: Point, speed_mps: float, direction: Direction) -> dict[str, Any]:
         return {
             "name": NAME,
             "radius_m": float(radius_m),
-            "position_enu_m": place,
+            "position_enu_m": position,
             "speed_mps": float(speed_mps),
             "direction_deg": direction,
             "when": {"own_reaches_enu_m": self.own_at_enu_m},

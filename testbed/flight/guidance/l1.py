@@ -23,7 +23,7 @@ class L1Law:
 
     def __init__(self, aircraft: Aircraft, hold: SpeedHold, dt_s: float) -> None:
         self._seconds = math.sqrt(2.0) / aircraft.guidance.bandwidth_rad_s  # L1 / V
-        self._power_lead = aircraft.autopilot.throttle_lag_s
+        self._power_ahead_s = aircraft.autopilot.throttle_lag_s
         self._turn = BankToTurn(aircraft.limits)
         self._hold, self._dt = hold, dt_s
 
@@ -46,7 +46,7 @@ class L1Law:
         left = (ay * vx - ax * vy) / flat
         up = (az * flat - vz * (ax * vx + ay * vy) / flat) / speed + G0_MPS2 * flat / speed
         bank, load_factor, limited = self._turn.solve(left, left, up, state.bank, state.airspeed)
-        _, power_ahead = path.look_up(s + speed * self._power_lead)
+        _, power_ahead = path.look_up(s + speed * self._power_ahead_s)
         airspeed, scheduled = self._hold.solve(state.airspeed, speed, memory.scheduled_s_m - s)
         command = Command(bank, load_factor, airspeed, power_ahead[5])
         memory = Memory(s + speed * self._dt, memory.scheduled_s_m + scheduled * self._dt)

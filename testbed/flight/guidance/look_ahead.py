@@ -29,8 +29,8 @@ class LookAheadLaw:
         self._stiffness = gains.bandwidth_rad_s**2
         self._damping = 2.0 * gains.damping * gains.bandwidth_rad_s
         self._integral = gains.integral_1ps * self._stiffness
-        self._bank_lead, self._lift_lead = gains.bank_lead_s, gains.load_factor_lead_s
-        self._power_lead = aircraft.autopilot.throttle_lag_s
+        self._bank_ahead_s, self._lift_ahead_s = gains.bank_lead_s, gains.load_factor_lead_s
+        self._power_ahead_s = aircraft.autopilot.throttle_lag_s
         self._turn = BankToTurn(aircraft.limits)
         self._hold, self._dt = hold, dt_s
 
@@ -52,7 +52,9 @@ class LookAheadLaw:
         s += ex * tx + ey * ty + ez * tz
         v_along = vx * tx + vy * ty + vz * tz
         v_on = v_along if v_along > 0.0 else 0.0
-        ahead, lift_ahead, power_ahead = path.rows_at(s + v_on * self._bank_lead, s + v_on * self._lift_lead, s + v_on * self._power_lead)
+        ahead, lift_ahead, power_ahead = path.rows_at(
+            s + v_on * self._bank_ahead_s, s + v_on * self._lift_ahead_s, s + v_on * self._power_ahead_s
+        )
 
         # components along the left (lx, ly, 0) and up (ux, uy, uz) normals of the ground velocity, which has none itself
         lx, ly = -vy / flat, vx / flat

@@ -88,18 +88,18 @@ def path_of(answer: Any, state: State) -> ActivePath:
 def _through(points: Any, state: State) -> tuple[ph.Curve, ...]:
     """PH curves through points (n,3), from the first to the last; along the velocity where the aircraft is at the first of them."""
     try:
-        places = np.asarray(points, dtype=float)
+        there = np.asarray(points, dtype=float)
     except (TypeError, ValueError):
-        places = np.empty(0)
-    if places.ndim != 2 or places.shape[1] != 3 or len(places) < 2 or not np.isfinite(places).all():
+        there = np.empty(0)
+    if there.ndim != 2 or there.shape[1] != 3 or len(there) < 2 or not np.isfinite(there).all():
         raise ValueError("the planner's path must be PH curves or finite points (n,3), at least two")
-    steps = np.diff(places, axis=0)
+    steps = np.diff(there, axis=0)
     if not np.linalg.norm(steps, axis=1).all():
         raise ValueError("the planner's path has the same point twice in a row")
     directions = np.vstack([steps[:1], steps[:-1] + steps[1:], steps[-1:]])
-    if math.dist(places[0], state[:3]) < 1.0:
+    if math.dist(there[0], state[:3]) < 1.0:
         directions[0] = state[3:6]
-    ends = list(zip(map(vec3, places), map(vec3, directions), strict=True))
+    ends = list(zip(map(vec3, there), map(vec3, directions), strict=True))
     return tuple(joined(a, along, b, on, 1.0) for (a, along), (b, on) in pairwise(ends))
 
 

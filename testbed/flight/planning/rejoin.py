@@ -22,14 +22,14 @@ from testbed.flight.traffic.track import least_clearance
 from vosc import ph
 from vosc.vec import add, norm, scale
 
-HELD_M = 600.0  # drawn length of a direction that is held; flights go on straight past it
+HELD_M = 600.0  # length of the path along a direction that is held; flights go on straight past it
 PREDICTED_S = 12.0  # how far ahead the rest of a flight is looked at
 PREDICTION_STEP_S = 0.05  # between samples obstacle and aircraft move straight
-AHEAD_S = np.arange(1.0, 12.5, 0.5)  # where on the route to come back to, in flight times ahead of the nearest place
+AHEAD_S = np.arange(1.0, 12.5, 0.5)  # where on the route to come back to, in flight times ahead of the nearest point
 
 
 def joined(start: Vec3, along: Vec3, end: Vec3, along_there: Vec3, magnitude_chords: float) -> ph.Curve:
-    """The PH curve between two places in two directions, end tangents ``magnitude_chords`` long. Raises as ``ray`` does."""
+    """The PH curve between two points in two directions, end tangents ``magnitude_chords`` long. Raises as ``ray`` does."""
     size = magnitude_chords * math.dist(start, end)
     return ph.hermite(start, resized(along, size), end, resized(along_there, size))
 
@@ -45,7 +45,7 @@ def ray(point: Vec3, velocity: Vec3) -> ph.Curve:
     return ph.hermite(point, arrow, add(point, arrow), arrow)
 
 
-class Placed(Protocol):
+class ByArcLength(Protocol):
     """A path by arc length, as far as a prediction needs it."""
 
     length_m: float
@@ -53,7 +53,7 @@ class Placed(Protocol):
     def points(self, s_m: np.ndarray) -> np.ndarray: ...
 
 
-def miss_along(path: Placed, s_m: float, speed_mps: float, time_s: float, obstacles: Sequence[Seen]) -> float:
+def miss_along(path: ByArcLength, s_m: float, speed_mps: float, time_s: float, obstacles: Sequence[Seen]) -> float:
     """Least distance (m) to the centre of any of the obstacles along the rest of a path, flown on at that speed; infinite for none."""
     elapsed = np.arange(0.0, min(PREDICTED_S, max(path.length_m - s_m, 1.0) / speed_mps), PREDICTION_STEP_S)
     points = path.points(s_m + speed_mps * elapsed)
@@ -96,14 +96,14 @@ class Rejoin:
         return (joined(point, velocity, self._context.goal, self._context.goal_tangent, self._magnitude),)
 
     def _to_route(self, point: Vec3, velocity: Vec3) -> tuple[ph.Curve, ...]:
-        """To the first place of the route that can be reached within the bank that is set aside for it; empty when there is none."""
+        """To the first point of the route that can be reached within the bank that is set aside for it; empty when there is none."""
         route = self._context.route
         nearest = float(route.nearest(np.asarray(point)[None])[0][0])
         for s_m in nearest + norm(velocity) * AHEAD_S:
             if s_m >= route.length_m - 1.0:
                 break
-            place, tangent, _ = route.frame(float(s_m))
-            join = joined(point, velocity, place, tangent, self._magnitude)
+            target, tangent, _ = route.frame(float(s_m))
+            join = joined(point, velocity, target, tangent, self._magnitude)
             if join.max_curvature() <= self._most_curvature:
                 return (join, *route.tail(float(s_m)))
         return ()

@@ -12,8 +12,8 @@ import rerun_bindings
 
 from testbed.flight.record import FlightRecord
 from testbed.results.columns import FlightMetrics
+from testbed.show.flight_summary import summary_markdown, who
 from testbed.show.recording import layout, scene, signals, timeline, velocity
-from testbed.show.story import summary_markdown, who
 from testbed.show.velocity_space import look
 
 APPLICATION = "vosc_testbed"

@@ -6,9 +6,9 @@ import rerun.blueprint as rrb
 
 from testbed.flight.record import FlightRecord
 from testbed.show import palette
+from testbed.show.flight_summary import path_points, route_ends
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
-from testbed.show.story import path_points, route_ends
 
 MANY = ("clearance", "bank", "load_factor")  # plots with more than one curve, which need a legend
 CLEARANCE_SHOWN_M = (-30.0, 150.0)  # where decisions are made; farther away the curve says nothing

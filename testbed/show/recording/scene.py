@@ -8,9 +8,9 @@ import rerun as rr
 from testbed.flight.record import FlightRecord
 from testbed.results.columns import FlightMetrics
 from testbed.show import palette, shapes
+from testbed.show.flight_summary import path_points, piece_names, route_ends, route_size
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
-from testbed.show.story import path_points, piece_names, route_ends, route_size
 from testbed.show.words import number
 
 SYMBOL_SHARE = 0.04  # the aeroplane is drawn larger than life: this share of the route's size, or it could not be seen

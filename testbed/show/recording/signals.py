@@ -7,9 +7,9 @@ from testbed.core.units import DEG
 from testbed.flight.record import NEW_PATH, FlightRecord, Outcome, inside
 from testbed.flight.record.signals import flat
 from testbed.show import palette, words
+from testbed.show.flight_summary import changes, event_sentence, leg_names, who
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
-from testbed.show.story import changes, event_sentence, leg_names, who
 from testbed.show.velocity_space import Sight
 
 # Entity below "signals", column of the record, factor to the unit shown, name in the legend, colour.

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from testbed.results.statistics import share_at_least
+from testbed.studies.lead_time.lead_distributions import Cost, Estimate, bootstrap, cost, logistic, quantile, shown_from
 from testbed.studies.lead_time.line import Line
-from testbed.studies.lead_time.statistics import Cost, Estimate, bootstrap, cost, logistic, quantile, shown_from
 
 RAILS = {"direct": "vo_instant", "insertion_point": "kinematic"}
 STEPS = (  # what is compared, the rung with it, the rung without it

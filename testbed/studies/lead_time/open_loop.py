@@ -1,7 +1,7 @@
 """The best open-loop manoeuvre: each of a family is flown once on a plant, and what it does to an encounter is then arithmetic.
 
 In calm air or a uniform wind the displacement d(t) of a manoeuvre from straight flight does not depend on the encounter. Begun a lead tau
-before the closest approach (miss vector m, closing velocity w), the place relative to the obstacle's centre is
+before the closest approach (miss vector m, closing velocity w), the position relative to the obstacle's centre is
 
     r(t) = m + (t - tau) w + d(t)        t from the trigger on
 
@@ -31,7 +31,7 @@ from testbed.flight.plants.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.plants.base import Command, TrimFailedError
 from testbed.flight.record import inside
 from testbed.flight.scene import Scene, make_scene
-from testbed.studies.lead_time.encounter import Encounter
+from testbed.studies.lead_time.searched_encounter import Encounter
 
 Array = np.ndarray
 FLOWN_S = 6.0  # a manoeuvre is flown so long; after that it goes on straight
@@ -101,21 +101,21 @@ def _straight(plan: FlightPlan, scene: Scene) -> Array:
 
 
 def _flown(plan: FlightPlan, aircraft: Aircraft, scene: Scene, bank: float, load_factor: float) -> Array:
-    """Places (n,3) at the guidance rate of one manoeuvre, begun at once."""
+    """Points (n,3) at the guidance rate of one manoeuvre, begun at once."""
     try:
         plant = make_plant(plan, aircraft, start_of(plan, scene), scene)
     except TrimFailedError as error:
         raise ValueError(f"no open-loop manoeuvre: {error}") from None
     most = BankToTurn(aircraft.limits).most_load_factor
     each = range(plan.rates.plant_hz // plan.rates.guidance_hz)
-    places = []
+    points = []
     for _ in range(round(FLOWN_S * plan.rates.guidance_hz)):
         state = plant.state(plant.sample())
-        places.append((state.x, state.y, state.z))
+        points.append((state.x, state.y, state.z))
         plant.command(state, Command(bank, min(load_factor, most(state.airspeed)), plan.speed_mps, 0.0))
         for _ in each:
             plant.step()
-    return np.array(places)
+    return np.array(points)
 
 
 def _jumps(plan: FlightPlan, scene: Scene) -> Manoeuvres:
@@ -131,14 +131,14 @@ def _jumps(plan: FlightPlan, scene: Scene) -> Manoeuvres:
 
 def best_clearance(family: Manoeuvres, encounter: Encounter, lead_s: float) -> float:
     """Clearance (m) of the best of the family, begun that long before the closest approach; the least over all time after it."""
-    place = encounter.miss_m + np.outer(family.time_s - lead_s, encounter.closing_mps) + family.offset_m
-    onward = place[:, -1] + STRAIGHT_ON_S * (place[:, -1] - place[:, -2]) / (family.time_s[-1] - family.time_s[-2])
-    place = np.concatenate([place, onward[:, None]], axis=1)
-    step = np.diff(place, axis=1)
+    position = encounter.miss_m + np.outer(family.time_s - lead_s, encounter.closing_mps) + family.offset_m
+    onward = position[:, -1] + STRAIGHT_ON_S * (position[:, -1] - position[:, -2]) / (family.time_s[-1] - family.time_s[-2])
+    position = np.concatenate([position, onward[:, None]], axis=1)
+    step = np.diff(position, axis=1)
     square = np.einsum("kni,kni->kn", step, step)
-    inner = -np.einsum("kni,kni->kn", place[:, :-1], step)
+    inner = -np.einsum("kni,kni->kn", position[:, :-1], step)
     share = np.clip(inner / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
-    nearest = place[:, :-1] + share[..., None] * step
+    nearest = position[:, :-1] + share[..., None] * step
     least = np.sqrt(np.min(np.einsum("kni,kni->kn", nearest, nearest), axis=1))
     return float(np.max(least)) - encounter.radius_m
 

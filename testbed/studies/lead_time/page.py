@@ -11,11 +11,11 @@ import numpy as np
 from testbed.show.assets import asset, environment
 from testbed.show.words import number, percent
 from testbed.studies.lead_time.compare import Priced, Shares, Summary, Who, groups, insertion, limits, shares, summary, winds
+from testbed.studies.lead_time.lead_distributions import Cost, Estimate
 from testbed.studies.lead_time.line import Line, Searches
-from testbed.studies.lead_time.pictures import Curve, histogram, staircase
-from testbed.studies.lead_time.pictures import shares as share_picture
-from testbed.studies.lead_time.prose import answer, rung, sentences
-from testbed.studies.lead_time.statistics import Cost, Estimate
+from testbed.studies.lead_time.sentences import answer, rung, sentences
+from testbed.studies.lead_time.svg_pictures import Curve, histogram, staircase
+from testbed.studies.lead_time.svg_pictures import shares as share_picture
 
 PICTURED_S = 0.05  # spacing of a logistic curve
 Groups = dict[Who, list[Line]]

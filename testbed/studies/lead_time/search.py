@@ -12,9 +12,9 @@ from testbed.flight.fly import fly
 from testbed.flight.planning.decided import Decided
 from testbed.flight.record import Outcome, inside
 from testbed.results.quantities import closest_approach
-from testbed.studies.lead_time.encounter import Encounter, at_lead, drawn
 from testbed.studies.lead_time.open_loop import best_lead, manoeuvres
 from testbed.studies.lead_time.options import LeadTime
+from testbed.studies.lead_time.searched_encounter import Encounter, at_lead, drawn
 
 LOST = (Outcome.DIVERGED, Outcome.HIT_GROUND, Outcome.TRIM_FAILED)
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbed.airframe.courses import turn_radius_at
+from testbed.airframe.proof_courses import turn_radius_at
 from testbed.core.frames import Vec3, vec3
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.plants.aircraft import Limits

@@ -18,7 +18,7 @@ class Scoam(Study):
     formerly: ClassVar[Mapping[str, str]] = {"verdict": "study: {kind: scoam}"}
 
     def draws(self, plan: FlightPlan) -> bool:
-        from testbed.studies.scoam.page.pictures import shown
+        from testbed.studies.scoam.page.picture_data import shown
 
         return shown(plan.labels, plan.replicate) is not None
 
@@ -28,7 +28,7 @@ class Scoam(Study):
         from testbed.studies.scoam.verdict import csv_bytes, judge
 
         found = judge(run.rows, event_reach, answer_ms(run.timings))
-        return Written({"verdict.csv": csv_bytes(found)}, lead=render(found, run.rows, run.series))
+        return Written({"verdict.csv": csv_bytes(found)}, head=render(found, run.rows, run.series))
 
 
 def answer_ms(timings: Sequence[Mapping[str, float]]) -> float:

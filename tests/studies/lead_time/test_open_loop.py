@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 
 from testbed.core.units import G0_MPS2
 from testbed.flight.plants.aircraft import load_aircraft
-from testbed.studies.lead_time.encounter import Encounter, drawn
 from testbed.studies.lead_time.open_loop import Manoeuvres, best_clearance, best_lead, manoeuvres, steps
+from testbed.studies.lead_time.searched_encounter import Encounter, drawn
 from tests.studies.lead_time.studies import HEAD_WIND, RAILS, study
 
 TIME_S = np.linspace(0.0, 6.0, 1201)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from testbed.studies.lead_time.encounter import drawn
 from testbed.studies.lead_time.search import clearance_at, least_lead, search
+from testbed.studies.lead_time.searched_encounter import drawn
 from tests.studies.lead_time.studies import AT_ONCE, RAILS, STUDY, study
 
 GRID = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0)

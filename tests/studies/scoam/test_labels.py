@@ -8,10 +8,10 @@ import pytest
 from testbed.campaign import SpecError, load_campaign
 from testbed.studies.scoam import labels
 from testbed.studies.scoam.labels import AIR, LABELS, Axis, Compass, Design, Encounter, Method, Part, Rung, Severity
-from testbed.studies.scoam.page import wording
-from testbed.studies.scoam.page.pictures import SHOWN
-from testbed.studies.scoam.verdict import saying
-from testbed.studies.scoam.verdict.select import Flights
+from testbed.studies.scoam.page import paper_names
+from testbed.studies.scoam.page.picture_data import SHOWN
+from testbed.studies.scoam.verdict import csv_words
+from testbed.studies.scoam.verdict.flights import Flights
 from tests.studies.scoam.verdict_rows import row
 
 ROOT = Path(__file__).parents[3]
@@ -128,10 +128,10 @@ def test_pictures_and_names_are_of_labels_that_there_are() -> None:
         known = LABELS[Part(one.labels[Axis.PART])]
         assert set(one.labels) - {Axis.PART} <= set(known)
         assert all(label in known[axis] for axis, label in one.labels.items() if isinstance(known.get(axis), tuple))
-    assert set(wording.READINGS) == set(Encounter) - {Encounter.CLASS}
-    assert set(wording.RUNGS) == {*Rung, Part.WIND, Part.TURBULENCE}
-    assert set(Method) - {Method.LEAST_DEFLECTION} <= set(wording.METHODS)
-    assert set(Method) - {Method.NONE} <= set(saying.METHOD)
+    assert set(paper_names.READINGS) == set(Encounter) - {Encounter.CLASS}
+    assert set(paper_names.RUNGS) == {*Rung, Part.WIND, Part.TURBULENCE}
+    assert set(Method) - {Method.LEAST_DEFLECTION} <= set(paper_names.METHODS)
+    assert set(Method) - {Method.NONE} <= set(csv_words.METHOD)
 
 
 def test_no_label_is_spelt_outside_of_its_place() -> None:

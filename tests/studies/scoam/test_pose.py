@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from testbed.airframe.courses import turn_radius, turn_radius_at
+from testbed.airframe.proof_courses import turn_radius, turn_radius_at
 from testbed.core.frames import unit_from_direction
 from testbed.flight.plants.aircraft import load_aircraft
 from testbed.studies.scoam.pose import pose_reach

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from testbed.results import statistics as stats
 from testbed.studies.scoam.labels import DROAM
 from testbed.studies.scoam.verdict.comparisons import comparisons
+from testbed.studies.scoam.verdict.flights import Flights
 from testbed.studies.scoam.verdict.online import online
 from testbed.studies.scoam.verdict.pairs import DEFLECTION, paired
 from testbed.studies.scoam.verdict.promises import promises
 from testbed.studies.scoam.verdict.ranking import ranks
-from testbed.studies.scoam.verdict.select import Flights
 from testbed.studies.scoam.verdict.superior import superior
 from tests.studies.scoam.verdict_rows import calm, drawn, population, row, threat
 

@@ -8,10 +8,10 @@ import pytest
 
 from testbed.studies.scoam.audit.audit import Figure
 from testbed.studies.scoam.claim import WORDS
-from testbed.studies.scoam.verdict import csv_bytes, judge, numbers, saying
+from testbed.studies.scoam.verdict import csv_bytes, csv_words, judge, numbers
 from testbed.studies.scoam.verdict.controls import controls
-from testbed.studies.scoam.verdict.select import Flights
-from testbed.studies.scoam.verdict.text import COLUMNS
+from testbed.studies.scoam.verdict.csv_file import COLUMNS
+from testbed.studies.scoam.verdict.flights import Flights
 from tests.studies.scoam.verdict_rows import calm, drawn, population, rough, row, threat, windy
 
 HALF_WIDTH = 0.5
@@ -155,11 +155,11 @@ def test_anchored_wind_keeps_the_calm_miss():
     ("share", "text"), [(1.0, "100 %"), (0.9999, "99.9 %"), (0.004, "0.4 %"), (0.0, "0 %"), (0.853, "85 %"), (math.nan, "none")]
 )
 def test_a_share_is_never_rounded_up_to_all(share, text):
-    assert saying.percent(share) == text
+    assert csv_words.percent(share) == text
 
 
 def test_figures_have_the_places_of_their_unit_and_no_negative_zero():
-    assert [saying.say(-0.04, "m"), saying.say(-3.77, "m"), saying.say(1.234, "s"), saying.say(math.nan, "m")] == [
+    assert [csv_words.say(-0.04, "m"), csv_words.say(-3.77, "m"), csv_words.say(1.234, "s"), csv_words.say(math.nan, "m")] == [
         "0.0 m",
         "-3.8 m",
         "1.23 s",

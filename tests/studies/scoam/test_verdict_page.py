@@ -18,7 +18,7 @@ from testbed.results.statistics import Effect, Spread
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
 from testbed.studies.scoam.claim import WORDS, Claim, Control, Rank, Step, Waterfall
-from testbed.studies.scoam.page import bars, detail, pictures, prose, render, table
+from testbed.studies.scoam.page import bars, detail, paragraphs, picture_data, render, table
 from tests.show.test_page import NASTY, PROVENANCE, campaign, flight, parsed
 
 MakeRecord = Callable[..., FlightRecord]
@@ -82,7 +82,7 @@ def flown(make_record: MakeRecord, make_metrics: MakeMetrics) -> tuple[list[Row]
     """The flights of the pictures, of two aircraft, and one that is in none."""
     rows, series = [], {}
     for aircraft in ("gtm_t2", "c172p"):
-        for one in (*pictures.SHOWN, None):
+        for one in (*picture_data.SHOWN, None):
             labels = {"encounter": "single_106", "method": "scoam", "flown_by": aircraft, **(one.labels if one else {"part": "population"})}
             kind = labels.get("rung") if labels.get("rung") in ("kinematic", "point_mass", "jsbsim") else "jsbsim"
             name = f"f{aircraft}{one.key if one else 'other'}"
@@ -129,7 +129,7 @@ def test_a_number_has_the_decimals_that_the_paper_prints(verdict: SimpleNamespac
 
 
 def test_the_sentences_count_and_name_what_the_claims_are(verdict: SimpleNamespace) -> None:
-    told = {heading: " ".join(sentences) for heading, sentences, _ in prose.paragraphs(verdict)}
+    told = {heading: " ".join(sentences) for heading, sentences, _ in paragraphs.paragraphs(verdict)}
     short = told["In short"]
     assert short.startswith("Of the paper's claims in words, 5 in all, 1 holds (text of words.0), 1 holds only under a condition")
     assert "Of the numbers in its tables, 2 in all, 1 holds only under a condition and 1 fails kinematically" in short
@@ -158,7 +158,7 @@ def test_no_number_of_the_sentences_is_the_programs_own(verdict: SimpleNamespace
         for k, one in enumerate(verdict.claims[-5:])
     ]  # fmt: skip
     nothing = SimpleNamespace(claims=bare, waterfalls=(), controls=(), ranks=(), cases=(), air=(), counted=())
-    text = " ".join(sentence for _, sentences, _ in prose.paragraphs(nothing) for sentence in sentences)
+    text = " ".join(sentence for _, sentences, _ in paragraphs.paragraphs(nothing) for sentence in sentences)
     assert re.findall(r"\d+", text) == ["5", *["1"] * 5]
 
 
@@ -175,10 +175,10 @@ def test_a_part_that_is_missing_is_left_out(verdict: SimpleNamespace, flown: tup
 
 def test_nothing_at_all() -> None:
     nothing = SimpleNamespace(claims=(), waterfalls=(), controls=(), ranks=(), cases=(), air=(), counted=())
-    lead = render(nothing, [], {})
-    assert not lead.nav
-    assert "<section" not in lead.html
-    assert "No flight was flown." in render_page(campaign(), [], {}, PROVENANCE, lead=lead)
+    head = render(nothing, [], {})
+    assert not head.nav
+    assert "<section" not in head.html
+    assert "No flight was flown." in render_page(campaign(), [], {}, PROVENANCE, head=head)
 
 
 def test_words_from_outside_stay_words(verdict: SimpleNamespace, flown: tuple[list[Row], dict[str, Any]]) -> None:
@@ -228,10 +228,10 @@ def test_the_designs_of_wind_are_never_in_one_table(verdict: SimpleNamespace) ->
 
 
 def test_the_pictures_take_one_flight_each_and_the_limits_of_the_aircraft(flown: tuple[list[Row], dict[str, Any]]) -> None:
-    data = pictures.picture_data(*flown)
+    data = picture_data.picture_data(*flown)
     assert list(data["aircraft"]) == ["gtm_t2", "c172p"]
     for name, panel in data["aircraft"].items():
-        assert list(panel["flights"]) == [one.key for one in pictures.SHOWN]
+        assert list(panel["flights"]) == [one.key for one in picture_data.SHOWN]
         said = YAML(typ="safe").load(aircraft_folders()[name] / "aircraft.yaml")["limits"]
         assert panel["limits"] == {
             "bank_deg": said["bank_deg"],
@@ -239,10 +239,10 @@ def test_the_pictures_take_one_flight_each_and_the_limits_of_the_aircraft(flown:
             "roll_rate_dps": said["roll_rate_dps"],
         }
     labels = dict(flown[0][0]["labels"])
-    assert pictures.shown(labels, 0)
-    assert not pictures.shown(labels, 1)
-    assert not pictures.shown(labels | {"method": "droam_hp"}, 0)
-    assert not pictures.shown(labels | {"encounter": "multi_o2_up"}, 0)
+    assert picture_data.shown(labels, 0)
+    assert not picture_data.shown(labels, 1)
+    assert not picture_data.shown(labels | {"method": "droam_hp"}, 0)
+    assert not picture_data.shown(labels | {"encounter": "multi_o2_up"}, 0)
 
 
 def test_the_flights_shown_can_be_opened_and_flown_again(verdict: SimpleNamespace, flown: tuple[list[Row], dict[str, Any]]) -> None:
@@ -258,7 +258,7 @@ def test_the_flights_shown_can_be_opened_and_flown_again(verdict: SimpleNamespac
 def test_the_verdict_comes_first_and_the_ordinary_page_is_folded_below(
     verdict: SimpleNamespace, flown: tuple[list[Row], dict[str, Any]]
 ) -> None:
-    once, twice = (render_page(campaign(), *flown, PROVENANCE, lead=render(verdict, *flown)) for _ in range(2))
+    once, twice = (render_page(campaign(), *flown, PROVENANCE, head=render(verdict, *flown)) for _ in range(2))
     assert once == twice
     assert len(once.encode()) < 3_000_000
     text = text_of(once)
@@ -280,7 +280,7 @@ def test_the_verdict_comes_first_and_the_ordinary_page_is_folded_below(
 def test_a_browser_draws_both_aircraft_and_opens_the_fold(
     browser: Any, verdict: SimpleNamespace, flown: tuple[list[Row], dict[str, Any]], tmp_path: Path
 ) -> None:
-    (tmp_path / "index.html").write_text(render_page(campaign(), *flown, PROVENANCE, lead=render(verdict, *flown)), encoding="utf-8")
+    (tmp_path / "index.html").write_text(render_page(campaign(), *flown, PROVENANCE, head=render(verdict, *flown)), encoding="utf-8")
     problems: list[str] = []
     for scheme, width in (("light", 1300), ("dark", 390)):
         page = browser.new_page(color_scheme=scheme, viewport={"width": width, "height": 900})

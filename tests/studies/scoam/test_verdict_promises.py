@@ -3,8 +3,8 @@
 import pytest
 
 from testbed.studies.scoam.verdict.ablation import costs, kinematic_cause, most_costly, waterfall
+from testbed.studies.scoam.verdict.flights import Flights
 from testbed.studies.scoam.verdict.promises import promises
-from testbed.studies.scoam.verdict.select import Flights
 from tests.studies.scoam.verdict_rows import AIRCRAFT, RUNGS, calm, drawn, rough, row, threat, windy
 
 

@@ -22,11 +22,11 @@ from typing import Final
 
 from testbed.studies.scoam.audit.case import Case, evaluate, numbers
 from testbed.studies.scoam.audit.evidence import sentence
+from testbed.studies.scoam.audit.formulae import rows
 from testbed.studies.scoam.audit.joint import Together, together
 from testbed.studies.scoam.audit.printed import PRINTED
 from testbed.studies.scoam.audit.readings import AS_PRINTED, READINGS, UNPRINTED, UNREAD, Reading
 from testbed.studies.scoam.audit.row import Row
-from testbed.studies.scoam.audit.rows import rows
 
 MORE_DECIMALS: Final = 2
 ALL_READINGS: Final = (AS_PRINTED, *READINGS)
@@ -75,12 +75,12 @@ def joint_tests(audited: Sequence[AuditRow]) -> list[Together]:
         if not any(key.startswith("o.") for key in reading.replaced):
             continue
         met = [row for row in audited if row.kind == "value" and row.verdict == "reproduced_with_reading" and reading.name in row.met_by]
-        for what, places in (
+        for what, sections in (
             ("cap and direction", ("Table 1", "Section 5.1")),
             ("deflections and time", ("Table 2",)),
             ("all", ("Table 1", "Section 5.1", "Table 2")),
         ):
-            chosen = [row for row in met if row.where in places]
+            chosen = [row for row in met if row.where in sections]
             multiple = together(reading, [by_key[row.key] for row in chosen])
             out.append(Together(reading.name, what, tuple(row.quantity for row in chosen), multiple))
     return out

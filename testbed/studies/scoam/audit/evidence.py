@@ -1,9 +1,9 @@
-"""One sentence of evidence for each row, made from its figures and from what else the printed numbers imply (``audit.notes``)."""
+"""One sentence of evidence for each row, made from its figures and from what else the printed numbers imply (``audit.implied``)."""
 
 import math
 from collections.abc import Mapping
 
-from testbed.studies.scoam.audit.notes import note, text
+from testbed.studies.scoam.audit.implied import note, text
 from testbed.studies.scoam.audit.row import Row
 
 Figures = Mapping[str, tuple[float, float]]
@@ -13,10 +13,10 @@ def sentence(row: Row, figures: Figures, met_by: tuple[str, ...], verdict: str) 
     """What the figures say, and the note that belongs to the row."""
     value, half_width = figures["as_printed"]
     unit = f" {row.unit}" if row.unit else ""
-    places = row.decimals + 1
+    decimals = row.decimals + 1
 
     def shown(pair: tuple[float, float]) -> str:
-        return f"{text(pair[0], places)} ± {text(pair[1], places)}{unit}"
+        return f"{text(pair[0], decimals)} ± {text(pair[1], decimals)}{unit}"
 
     said = f"The printed numbers give {shown((value, half_width))}" if row.kind == "check" else f"As printed: {shown((value, half_width))}"
     if row.kind == "choice":
@@ -25,7 +25,7 @@ def sentence(row: Row, figures: Figures, met_by: tuple[str, ...], verdict: str) 
         first = met_by[0]
         said += f", but {shown(figures[first])} with {first}" + (f" (also {', '.join(met_by[1:])})" if len(met_by) > 1 else "")
     elif verdict == "inconsistent":
-        said += f"; the nearest any reading comes is {text(_gap(row, figures), places)}{unit} short of the print"
+        said += f"; the nearest any reading comes is {text(_gap(row, figures), decimals)}{unit} short of the print"
     more = note(row.key)
     return said + (f"; {more}" if more else "") + "."
 

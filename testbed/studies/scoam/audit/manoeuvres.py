@@ -8,13 +8,13 @@ import numpy as np
 
 from testbed.core.units import DEG
 from testbed.studies.scoam.audit.case import Case
-from testbed.studies.scoam.audit.encounter import (
+from testbed.studies.scoam.audit.geometry import (
     direction_in_force,
     heading,
     multi_direction,
     obstacle,
-    place,
     point_in_force,
+    position,
     rim,
     seen,
     turn,
@@ -37,7 +37,7 @@ def _freedom(case: Case, name: str) -> Callable[[Vec], float]:
     if case.has(CHAIN):
         caps = [rim(case, one) for one in OBSTACLES[name]]
         return lambda d: min((deflection(axis, d) - half) / DEG for axis, half in caps)
-    speed, me = case["own.speed"], place(case, "own")
+    speed, me = case["own.speed"], position(case, "own")
     bodies = [seen(case, one) for one in OBSTACLES[name]]
     return lambda d: min(cone_margin(me, scale(speed, d), body) / DEG for body in bodies)
 
@@ -103,7 +103,7 @@ def legs(case: Case, name: str, new: Vec, magnitude: float = 1.0) -> tuple[ph.Cu
 
 
 def _through(case: Case, middle: Vec, new: Vec, magnitude: float) -> tuple[ph.Curve, ph.Curve]:
-    me = place(case, "own")
+    me = position(case, "own")
     goal = (case["route.goal_x"], case["route.goal_y"], case["route.goal_z"])
     a1, e1 = ROUTE_END_DEG
     return _join(me, heading(case, "own"), middle, new, magnitude), _join(middle, new, goal, direction(a1 * DEG, e1 * DEG), magnitude)
@@ -111,14 +111,14 @@ def _through(case: Case, middle: Vec, new: Vec, magnitude: float) -> tuple[ph.Cu
 
 def path_length(case: Case, name: str, new: Vec, magnitude: float = 1.0) -> float:
     """Length P_s to P_f along the route to P_t and through Q_avo, m."""
-    flown = float(route(case).nearest(np.array([place(case, "own")]))[0][0])
+    flown = float(route(case).nearest(np.array([position(case, "own")]))[0][0])
     return flown + sum(leg.length_m for leg in legs(case, name, new, magnitude))
 
 
 def chord_length(case: Case, name: str) -> float:
     """Length of the straight pieces P_s, P_t, Q_avo, P_f: no path is shorter."""
     goal = (case["route.goal_x"], case["route.goal_y"], case["route.goal_z"])
-    me, middle = place(case, "own"), point_in_force(case, name)
+    me, middle = position(case, "own"), point_in_force(case, name)
     return norm(me) + norm(sub(middle, me)) + norm(sub(goal, middle))
 
 
@@ -139,7 +139,7 @@ def clearance(case: Case, name: str, magnitude: float = 1.0) -> float:
     The obstacles are those of the reading. Between samples (0.7 m) both bodies are taken to move straight: less than a millimetre off.
     """
     q, new, speed = ("q", "dir", case["own.speed"]) if name == "o" else ("q2", "dir2", case["own.speed"])
-    first, second = _through(case, place(case, q), heading(case, new), magnitude)
+    first, second = _through(case, position(case, q), heading(case, new), magnitude)
     s = np.linspace(0.0, first.length_m + second.length_m, 541)
     at = np.where((s < first.length_m)[:, None], first.points(s), second.points(s - first.length_m))
     least_gap = math.inf

@@ -88,14 +88,14 @@ def page_text(rows: Sequence[AuditRow]) -> str:
 
 def _shown(row: AuditRow) -> dict[str, Any]:
     """A row as the page writes it: one decimal less than the file."""
-    places = row.decimals - 1
+    decimals = row.decimals - 1
     first = row.figures[AS_PRINTED.name]
     decided = row.verdict.startswith("reproduced")
     cells = [
         {
             "label": name.replace("_", " "),
-            "text": _minus(figure.value, places),
-            "half_width": _minus(figure.half_width, places),
+            "text": _minus(figure.value, decimals),
+            "half_width": _minus(figure.half_width, decimals),
             "same": name != AS_PRINTED.name and _same(figure, first),
             "meets": figure.meets and decided,
         }
@@ -105,7 +105,7 @@ def _shown(row: AuditRow) -> dict[str, Any]:
         "quantity": row.quantity,
         "printed": row.printed.replace("-", "\N{MINUS SIGN}"),
         "unit": row.unit,
-        "tolerance": f"{row.tolerance:.{places}f}" if row.kind in ("value", "choice") else "",
+        "tolerance": f"{row.tolerance:.{decimals}f}" if row.kind in ("value", "choice") else "",
         "cells": cells,
         "verdict": row.verdict,
         "evidence": MINUS.sub("\N{MINUS SIGN}", row.evidence),
@@ -117,5 +117,5 @@ def _same(figure: Figure, other: Figure) -> bool:
     return (figure.value, figure.half_width) == (other.value, other.half_width)
 
 
-def _minus(x: float, places: int) -> str:
-    return f"{round(x, places) + 0.0:.{places}f}".replace("-", "\N{MINUS SIGN}") if math.isfinite(x) else "none"
+def _minus(x: float, decimals: int) -> str:
+    return f"{round(x, decimals) + 0.0:.{decimals}f}".replace("-", "\N{MINUS SIGN}") if math.isfinite(x) else "none"

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from testbed.show import words
-from testbed.show.answer import Row
-from testbed.show.assets import Lead, asset, environment, packed_json
+from testbed.show.assets import PageHead, asset, environment, packed_json
+from testbed.show.campaign_summary import Row
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Waterfall
-from testbed.studies.scoam.page import bars, detail, pictures, table, wording
-from testbed.studies.scoam.page.prose import paragraphs
+from testbed.studies.scoam.page import bars, detail, paper_names, picture_data, table
+from testbed.studies.scoam.page.paragraphs import paragraphs
 
 if TYPE_CHECKING:
-    from testbed.studies.scoam.verdict.model import Verdict
+    from testbed.studies.scoam.verdict.judged import Verdict
 
 MEANING = {
     HOLDS: "shown for the point and for the aircraft, in every condition that was flown",
@@ -24,17 +24,17 @@ MEANING = {
 }
 
 
-def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]) -> Lead:
+def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]) -> PageHead:
     """The leading part of the page. ``rows`` as in rows.jsonl, ``series`` by flight id; whatever is missing is left out."""
-    data = pictures.picture_data(rows, series)
+    data = picture_data.picture_data(rows, series)
     parts = {
         "groups": table.groups(verdict.claims),
-        "meaning": [(word, wording.WORD_CLASS[word], text) for word, text in MEANING.items()],
+        "meaning": [(word, paper_names.WORD_CLASS[word], text) for word, text in MEANING.items()],
         "paragraphs": paragraphs(verdict),
         "falls": _pictured(verdict.waterfalls),
         "rankings": _rankings(verdict),
         "panels": [(key, panel["name"]) for key, panel in sorted(data["aircraft"].items(), key=_by_name)],
-        "listed": pictures.flight_list(rows),
+        "listed": picture_data.flight_list(rows),
         "controls": detail.control_rows(verdict.controls),
         "ranks": detail.rank_groups(verdict.ranks),
         "air": detail.air_tables(verdict.air),
@@ -51,23 +51,25 @@ def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[st
         ("verdict-controls", "Controls", parts["controls"]),
     )
     nav = tuple((anchor, name) for anchor, name, there in sections if there)
-    return Lead(Markup(html), asset("verdict.css", __name__), asset("verdict.js", __name__), nav)
+    return PageHead(Markup(html), asset("verdict.css", __name__), asset("verdict.js", __name__), nav)
 
 
 def _by_name(item: tuple[str, dict[str, Any]]) -> tuple[bool, str]:
     """The paper's geometry first."""
-    return item[0] not in wording.AIRCRAFT, str(list(wording.AIRCRAFT).index(item[0]) if item[0] in wording.AIRCRAFT else item[0])
+    return item[0] not in paper_names.AIRCRAFT, str(
+        list(paper_names.AIRCRAFT).index(item[0]) if item[0] in paper_names.AIRCRAFT else item[0]
+    )
 
 
 def _pictured(falls: Sequence[Waterfall]) -> list[dict[str, Any]]:
     """The waterfalls of the verdict's own encounter, one an aircraft."""
-    mine = [fall for fall in falls if (fall.encounter, fall.method) == (wording.ENCOUNTER, wording.METHOD) and fall.steps]
-    return [{"title": words.named(wording.AIRCRAFT, fall.aircraft), "svg": bars.waterfall_svg(fall)} for fall in mine]
+    mine = [fall for fall in falls if (fall.encounter, fall.method) == (paper_names.ENCOUNTER, paper_names.METHOD) and fall.steps]
+    return [{"title": words.named(paper_names.AIRCRAFT, fall.aircraft), "svg": bars.waterfall_svg(fall)} for fall in mine]
 
 
 def _rankings(verdict: "Verdict") -> list[dict[str, Any]]:
     made = []
     for rung in dict.fromkeys(rank.rung for rank in verdict.ranks):
         mine = [rank for rank in verdict.ranks if rank.rung == rung]
-        made.append({"title": words.named(wording.RUNGS, rung), "share": bars.share_svg(mine), "clearance": bars.clearance_svg(mine)})
+        made.append({"title": words.named(paper_names.RUNGS, rung), "share": bars.share_svg(mine), "clearance": bars.clearance_svg(mine)})
     return made

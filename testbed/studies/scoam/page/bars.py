@@ -9,8 +9,8 @@ from testbed.airframe.chart import ticks
 from testbed.show import words
 from testbed.show.words import named, number
 from testbed.studies.scoam.claim import Rank, Waterfall
-from testbed.studies.scoam.page.prose import signed
-from testbed.studies.scoam.page.wording import METHODS, STEPS
+from testbed.studies.scoam.page.paper_names import METHODS, STEPS
+from testbed.studies.scoam.page.paragraphs import signed
 
 WIDTH, NAMES, ROW, TOP, BOTTOM = 500, 186, 26, 6, 36  # px of the drawing; NAMES: the column of names on the left
 RIGHT = 44

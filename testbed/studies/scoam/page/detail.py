@@ -10,12 +10,12 @@ from testbed.show import words
 from testbed.show.words import DASH, named, number
 from testbed.studies.scoam.claim import Control, Rank, Waterfall
 from testbed.studies.scoam.labels import Design, Method, Part, Rung
-from testbed.studies.scoam.page import wording
-from testbed.studies.scoam.page.prose import p_value
-from testbed.studies.scoam.page.wording import AIRCRAFT, IN_AIR, LIMITS, METHODS, READINGS, RUNGS
+from testbed.studies.scoam.page import paper_names
+from testbed.studies.scoam.page.paper_names import AIRCRAFT, IN_AIR, LIMITS, METHODS, READINGS, RUNGS
+from testbed.studies.scoam.page.paragraphs import p_value
 
 if TYPE_CHECKING:
-    from testbed.studies.scoam.verdict.model import AirCell, Case
+    from testbed.studies.scoam.verdict.judged import AirCell, Case
 
 DESIGNS = {
     Design.ANCHORED: (
@@ -42,7 +42,7 @@ def control_rows(controls: Sequence[Control]) -> list[dict[str, Any]]:
             "expected": control.expected,
             "count": f"{control.met} of {control.n}" if control.n else "not flown",
             "tone": "warn" if not control.n else "good" if control.met == control.n else "bad",
-            "exceptions": wording.MINUS.sub("\N{MINUS SIGN}", control.exceptions) or DASH,
+            "exceptions": paper_names.MINUS.sub("\N{MINUS SIGN}", control.exceptions) or DASH,
         }
         for control in controls
     ]
@@ -99,10 +99,10 @@ def _three(told: Spread, unit: str) -> tuple[str, str]:
 def air_tables(cells: "Sequence[AirCell]") -> list[dict[str, Any]]:
     """Each design of steady wind, and turbulence, each in a table of its own: the designs are never pooled."""
     tables = []
-    for design, (title, lead) in DESIGNS.items():
+    for design, (title, intro) in DESIGNS.items():
         mine = [cell for cell in cells if cell.design == design]
         if mine:
-            tables.append(_air_table(mine) | {"title": title, "lead": lead})
+            tables.append(_air_table(mine) | {"title": title, "intro": intro})
     return tables
 
 
@@ -112,15 +112,15 @@ def _air_table(cells: "Sequence[AirCell]") -> dict[str, Any]:
     grouped: dict[tuple[str, str, str, str], dict[str, AirCell]] = {}
     for cell in cells:
         grouped.setdefault((cell.encounter, cell.aircraft, cell.rung, cell.method), {})[cell.strength] = cell
-    names = (READINGS, AIRCRAFT, IN_AIR, METHODS)
+    vocabularies = (READINGS, AIRCRAFT, IN_AIR, METHODS)
     return {
         "headings": [f"{strength} m/s" if strength.isdigit() else strength for strength in strengths],
         "rows": [
             {
-                "place": [named(known, part) for known, part in zip(names, place, strict=True)],
+                "names": [named(known, label) for known, label in zip(vocabularies, labels, strict=True)],
                 "cells": [_air_cell(by_strength.get(strength)) for strength in strengths],
             }
-            for place, by_strength in grouped.items()
+            for labels, by_strength in grouped.items()
         ],
     }
 
@@ -148,7 +148,7 @@ def waterfall_table(falls: Sequence[Waterfall]) -> dict[str, Any]:
         figures += [part.get(limit, math.nan) for limit in limits for part in (fall.alone_m, fall.last_m)]
         rows.append(
             {
-                "place": [named(READINGS, fall.encounter), named(AIRCRAFT, fall.aircraft), named(METHODS, fall.method)],
+                "names": [named(READINGS, fall.encounter), named(AIRCRAFT, fall.aircraft), named(METHODS, fall.method)],
                 "cells": [
                     {"text": number(x, 1), "sort": sortable(x), "bad": k < len(rungs) and bool(inside(x))} for k, x in enumerate(figures)
                 ],
@@ -181,7 +181,7 @@ def case_table(cases: "Sequence[Case]") -> dict[str, Any]:
         "headings": [(heading, unit) for _, heading, unit in CASE_COLUMNS],
         "rows": [
             {
-                "place": [named(READINGS, c.encounter), named(AIRCRAFT, c.aircraft), named(RUNGS, c.rung), named(METHODS, c.method)],
+                "names": [named(READINGS, c.encounter), named(AIRCRAFT, c.aircraft), named(RUNGS, c.rung), named(METHODS, c.method)],
                 "cells": [
                     {"text": number(x, words.DIGITS.get(unit, 2)), "sort": sortable(x), "bad": key == "clearance_m" and bool(inside(x))}
                     for key, _, unit in CASE_COLUMNS

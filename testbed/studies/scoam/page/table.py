@@ -8,8 +8,8 @@ from typing import Any
 from testbed.show import words
 from testbed.show.words import named
 from testbed.studies.scoam.claim import HOLDS_ONLY_IF, Claim
-from testbed.studies.scoam.page import wording
-from testbed.studies.scoam.page.wording import AIRCRAFT, READINGS
+from testbed.studies.scoam.page import paper_names
+from testbed.studies.scoam.page.paper_names import AIRCRAFT, READINGS
 
 IN_WORDS = "words"
 DEPENDS = "depends on the reading"
@@ -77,27 +77,27 @@ def _block(block: Block) -> dict[str, Any]:
 
 
 def _row(claim: Claim, name_aircraft: bool) -> dict[str, Any]:
-    digits = max(wording.decimals(claim.paper), words.DIGITS.get(claim.unit, 2))
+    digits = max(paper_names.decimals(claim.paper), words.DIGITS.get(claim.unit, 2))
     values = (claim.kinematic, claim.point_mass, claim.flown_calm)
     air = claim.flown_air
     unit = claim.unit if len(claim.unit) <= SHORT else ""  # a long one stands beside the quantity
-    place = (named(READINGS, claim.reading), named(AIRCRAFT, claim.aircraft) if name_aircraft and claim.aircraft else "")
+    under = (named(READINGS, claim.reading), named(AIRCRAFT, claim.aircraft) if name_aircraft and claim.aircraft else "")
     printed = "" if claim.key.startswith(IN_WORDS) else claim.paper
     return {
         "lesser": False,
-        "reading": ", ".join(part for part in place if part),
+        "reading": ", ".join(part for part in under if part),
         "quantity": ", ".join(part for part in (claim.quantity, claim.unit if not unit else "") if part),
         "paper": f"{printed} {_unit(claim.unit)}".rstrip() if printed else "",
         "cells": [words.amount(value, unit, digits) for value in values],
-        "air": wording.spread(air, unit, digits),
+        "air": paper_names.spread(air, unit, digits),
         "air_note": f"median {words.amount(air.median, unit, digits)}, n = {air.n}" if air.n and math.isfinite(air.median) else "",
         "word": claim.word,
-        "word_class": wording.WORD_CLASS[claim.word],
-        "condition": wording.typeset(claim.condition).rstrip(".") if claim.word == HOLDS_ONLY_IF else "",
+        "word_class": paper_names.WORD_CLASS[claim.word],
+        "condition": paper_names.typeset(claim.condition).rstrip(".") if claim.word == HOLDS_ONLY_IF else "",
         "limit": claim.deciding_limit,
-        "robustness": wording.robustness(claim.robustness_share, claim.robustness_n),
-        "why": wording.typeset(claim.why),
-        "effect": wording.effect(claim.effect),
+        "robustness": paper_names.robustness(claim.robustness_share, claim.robustness_n),
+        "why": paper_names.typeset(claim.why),
+        "effect": paper_names.effect(claim.effect),
     }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from testbed.results.statistics import NAN
 from testbed.studies.scoam.claim import Step, Waterfall
 from testbed.studies.scoam.labels import SIDES, Axis, Design, Part, Rung
-from testbed.studies.scoam.verdict.select import Flights, Row, clearance
+from testbed.studies.scoam.verdict.flights import Flights, Row, clearance
 
 LIMITS: Final = {
     "roll": (Rung.POINT_ROLL, Rung.POINT_NO_ROLL),

@@ -9,11 +9,11 @@ from testbed.results.statistics import LEAST_PAIRS, NAN, finite, spread
 from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim, Word
 from testbed.studies.scoam.labels import DROAM, MAIN, MULTI, SINGLE, Design, Method, Part, Rung
-from testbed.studies.scoam.verdict import draws
+from testbed.studies.scoam.verdict import robustness
+from testbed.studies.scoam.verdict.csv_words import interval, percent, reading, say
+from testbed.studies.scoam.verdict.flights import Flights
 from testbed.studies.scoam.verdict.pairs import CLEAR, DEFLECTION, EVERY, LENGTH, TIME, Measure, Pairs, gain, paired
-from testbed.studies.scoam.verdict.saying import interval, percent, reading, say
-from testbed.studies.scoam.verdict.select import Flights
-from testbed.studies.scoam.verdict.words import Agreement, Ruling, agreement, comparison, robust, side
+from testbed.studies.scoam.verdict.rulings import Agreement, Ruling, agreement, comparison, robust, side
 
 DRAWN: Final = SINGLE[0]
 POPULATION: Final = Part.POPULATION
@@ -110,11 +110,11 @@ def draw_words(flights: Flights, measure: Measure, rivals: Sequence[str], encoun
     """What each draw's own flights say: SCOAM is least on rails, and flown."""
     both = []
     for rung in (Rung.KINEMATIC, Rung.JSBSIM):
-        scoam = draws.replicates(flights, Method.SCOAM, rung, encounter)
-        others = [draws.replicates(flights, rival, rung, encounter) for rival in rivals]
+        scoam = robustness.replicates(flights, Method.SCOAM, rung, encounter)
+        others = [robustness.replicates(flights, rival, rung, encounter) for rival in rivals]
         gains = {n: gain(measure, rung, row, [other[n] for other in others if n in other]) for n, row in scoam.items()}
         both.append({n: (g >= -measure.margin if math.isfinite(g) else None) for n, g in gains.items()})
-    return draws.pair_words(*both)
+    return robustness.pair_words(*both)
 
 
 def _nominal(flights: Flights, measure: Measure, rung: str, encounter: str, rivals: Sequence[str] = DROAM) -> float:

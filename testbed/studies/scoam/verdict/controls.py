@@ -7,8 +7,8 @@ import numpy as np
 
 from testbed.studies.scoam.claim import Control
 from testbed.studies.scoam.labels import MULTI, SINGLE, Axis, Design, Encounter, Method, Part, Rung
-from testbed.studies.scoam.verdict.saying import say
-from testbed.studies.scoam.verdict.select import Flights, Row, clearance, keeps, label, number
+from testbed.studies.scoam.verdict.csv_words import say
+from testbed.studies.scoam.verdict.flights import Flights, Row, clearance, keeps, label, number
 
 SAME_MISS_M: Final = 1.0
 """Anchored wind: an aircraft without planner has its calm clearance within this; on rails it is the same to rounding."""

@@ -8,10 +8,10 @@ from testbed.results.statistics import Effect, share
 from testbed.show.words import listed
 from testbed.studies.scoam.labels import DRAWN, MAIN, Axis, Design, Method, Part, Rung, Severity
 from testbed.studies.scoam.verdict.ablation import in_turbulence, in_wind
-from testbed.studies.scoam.verdict.draws import Test, method_words
-from testbed.studies.scoam.verdict.saying import reading
-from testbed.studies.scoam.verdict.select import Flights, Row, label, marginal
-from testbed.studies.scoam.verdict.words import Agreement, PromiseEvidence, Ruling, agreement, promise, robust
+from testbed.studies.scoam.verdict.csv_words import reading
+from testbed.studies.scoam.verdict.flights import Flights, Row, label, marginal
+from testbed.studies.scoam.verdict.robustness import Test, method_words
+from testbed.studies.scoam.verdict.rulings import Agreement, PromiseEvidence, Ruling, agreement, promise, robust
 
 SEVERITIES: Final = tuple(Severity)
 Cell = tuple[str, str]  # encounter, aircraft

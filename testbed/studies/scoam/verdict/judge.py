@@ -6,13 +6,13 @@ from collections.abc import Iterable
 from testbed.studies.scoam.verdict.ablation import waterfalls
 from testbed.studies.scoam.verdict.comparisons import comparisons
 from testbed.studies.scoam.verdict.controls import controls
-from testbed.studies.scoam.verdict.model import Verdict
+from testbed.studies.scoam.verdict.flights import Flights, Row
+from testbed.studies.scoam.verdict.judged import Verdict
 from testbed.studies.scoam.verdict.numbers import numbers
 from testbed.studies.scoam.verdict.online import online
 from testbed.studies.scoam.verdict.promises import promises
 from testbed.studies.scoam.verdict.ranking import ranks
 from testbed.studies.scoam.verdict.reach import Reach
-from testbed.studies.scoam.verdict.select import Flights, Row
 from testbed.studies.scoam.verdict.superior import superior
 from testbed.studies.scoam.verdict.tables import air_cells, cases, counted
 

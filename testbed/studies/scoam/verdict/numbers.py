@@ -13,11 +13,11 @@ from testbed.studies.scoam.audit.printed import PRINTED
 from testbed.studies.scoam.audit.readings import UNPRINTED, UNREAD
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim, Word
 from testbed.studies.scoam.labels import DRAWN, MAIN, SIDES, Axis, Encounter, Method, Part, Rung
-from testbed.studies.scoam.verdict import draws
+from testbed.studies.scoam.verdict import robustness
 from testbed.studies.scoam.verdict.ablation import in_turbulence, in_wind, lesser_side
-from testbed.studies.scoam.verdict.saying import METHOD, percent, reading, say
-from testbed.studies.scoam.verdict.select import Flights, Row, number
-from testbed.studies.scoam.verdict.words import AS_TAKEN, SHARE, Agreement, agreement
+from testbed.studies.scoam.verdict.csv_words import METHOD, percent, reading, say
+from testbed.studies.scoam.verdict.flights import Flights, Row, number
+from testbed.studies.scoam.verdict.rulings import AS_TAKEN, SHARE, Agreement, agreement
 
 READINGS: Final[Mapping[str, Mapping[str, str]]] = {
     "table2": {Encounter.SINGLE_AS_PRINTED: "as_printed", Encounter.SINGLE_106: "azimuth_106", Encounter.SINGLE_106_10: "direction_106_10"},
@@ -133,11 +133,13 @@ def _of_side(flights: Flights, printed: Printed, encounter: str, name: str, less
     words: tuple[Word | None, tuple[Word, ...]] = (None, ())
     if encounter in DRAWN and lesser:
         rails, flown = (
-            {n: printed.figure(row) for n, row in draws.replicates(flights, printed.method, rung, encounter).items()}
+            {n: printed.figure(row) for n, row in robustness.replicates(flights, printed.method, rung, encounter).items()}
             for rung in (Rung.KINEMATIC, Rung.JSBSIM)
         )
-        drawn = [x for n, x in rails.items() if n != draws.NOMINAL and math.isfinite(x)]
-        nominal, said = draws.pair_words(*({n: _near(x, printed.value, tolerance) for n, x in found.items()} for found in (rails, flown)))
+        drawn = [x for n, x in rails.items() if n != robustness.NOMINAL and math.isfinite(x)]
+        nominal, said = robustness.pair_words(
+            *({n: _near(x, printed.value, tolerance) for n, x in found.items()} for found in (rails, flown))
+        )
         words = (nominal, tuple(said))
     unit = SHOWN[printed.quantity][1]
     beside = [say(number(calm[Rung.JSBSIM], metric), unit) for metric in BESIDE[printed.quantity]]

@@ -6,9 +6,9 @@ from typing import Final
 from testbed.results.statistics import NAN, NO_EFFECT, NO_SPREAD
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
 from testbed.studies.scoam.labels import Axis, Method
-from testbed.studies.scoam.verdict.saying import say
-from testbed.studies.scoam.verdict.select import Flights, label, number
-from testbed.studies.scoam.verdict.words import Ruling
+from testbed.studies.scoam.verdict.csv_words import say
+from testbed.studies.scoam.verdict.flights import Flights, label, number
+from testbed.studies.scoam.verdict.rulings import Ruling
 
 TICK_MS: Final = 1000.0 / 60.0
 """Time between two looks of the planner at its usual 60 Hz."""

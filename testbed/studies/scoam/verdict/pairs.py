@@ -6,7 +6,7 @@ from typing import Final
 
 from testbed.results.statistics import NAN, Effect, finite, median, share
 from testbed.studies.scoam.labels import DROAM, SIDES, Axis, Method, Rung
-from testbed.studies.scoam.verdict.select import Flights, Row, air_of, label, number
+from testbed.studies.scoam.verdict.flights import Flights, Row, air_of, label, number
 
 EVERY: Final = (*DROAM, Method.LEAST_DEFLECTION)
 

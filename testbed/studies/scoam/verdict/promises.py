@@ -9,10 +9,10 @@ from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
 from testbed.studies.scoam.labels import DROAM, MAIN, MULTI, SIDES, SINGLE, Axis, Design, Method, Part, Rung
 from testbed.studies.scoam.verdict.ablation import costs, in_turbulence, in_wind, kinematic_cause, most_costly, waterfall
+from testbed.studies.scoam.verdict.csv_words import METHOD, reading, say
 from testbed.studies.scoam.verdict.evidence import Found, Promise, gather
+from testbed.studies.scoam.verdict.flights import Flights, Row, clearance, keeps, label, number
 from testbed.studies.scoam.verdict.reach import Demand, Reach, demand, limits_of, pose
-from testbed.studies.scoam.verdict.saying import METHOD, reading, say
-from testbed.studies.scoam.verdict.select import Flights, Row, clearance, keeps, label, number
 
 Figure = Callable[[Row | None], float]
 

@@ -5,7 +5,7 @@ from typing import Final
 from testbed.results.statistics import mcnemar, median, share_interval, spread
 from testbed.studies.scoam.claim import Rank
 from testbed.studies.scoam.labels import DROAM, Axis, Method, Part, Rung
-from testbed.studies.scoam.verdict.select import Flights, Row, clearance, keeps, label, number
+from testbed.studies.scoam.verdict.flights import Flights, Row, clearance, keeps, label, number
 
 METHODS: Final = (Method.SCOAM, *DROAM, Method.LEAST_DEFLECTION)
 RUNGS: Final = (Rung.KINEMATIC, Rung.JSBSIM, Rung.DIRECT)

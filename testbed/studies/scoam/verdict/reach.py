@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from testbed.flight.plants.aircraft import Limits, load_aircraft
 from testbed.flight.record import Decision, ReplanEvent
-from testbed.studies.scoam.verdict.select import Row, number
+from testbed.studies.scoam.verdict.flights import Row, number
 
 
 class Pose(Protocol):

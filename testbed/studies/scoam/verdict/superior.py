@@ -9,11 +9,11 @@ from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
 from testbed.studies.scoam.labels import DROAM, MAIN, Encounter, Method, Part, Rung
 from testbed.studies.scoam.verdict.comparisons import draw_words
+from testbed.studies.scoam.verdict.csv_words import METHOD, RUNG, percent, say
+from testbed.studies.scoam.verdict.flights import Flights, clearance, keeps
 from testbed.studies.scoam.verdict.pairs import CLEARANCE, DEFLECTION, LENGTH, LOAD, gain, paired
 from testbed.studies.scoam.verdict.ranking import Pairs, safe_pairs, threats, with_scoam
-from testbed.studies.scoam.verdict.saying import METHOD, RUNG, percent, say
-from testbed.studies.scoam.verdict.select import Flights, clearance, keeps
-from testbed.studies.scoam.verdict.words import Ruling, agreement, robust
+from testbed.studies.scoam.verdict.rulings import Ruling, agreement, robust
 
 BETTER, WORSE, EQUAL, OPEN = "better", "worse", "equal", "open"
 ALPHA: Final = 0.05

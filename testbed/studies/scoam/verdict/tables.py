@@ -2,8 +2,8 @@
 
 from testbed.results.statistics import share_at_least, share_interval, spread
 from testbed.studies.scoam.labels import Axis, Method, Part, Rung
-from testbed.studies.scoam.verdict.model import AirCell, Case, Counted
-from testbed.studies.scoam.verdict.select import Flights, Row, clearance, flew, keeps, label, marginal, number
+from testbed.studies.scoam.verdict.flights import Flights, Row, clearance, flew, keeps, label, marginal, number
+from testbed.studies.scoam.verdict.judged import AirCell, Case, Counted
 
 CASE_RUNGS = (Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM, Rung.DIRECT)
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from testbed.airframe.courses import random_path, swerve, turn_radius
+from testbed.airframe.proof_courses import random_path, swerve, turn_radius
 from testbed.core.units import DEG
 from testbed.flight.route.path import ActivePath
 

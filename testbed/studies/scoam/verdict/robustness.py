@@ -5,8 +5,8 @@ from typing import Final
 
 from testbed.studies.scoam.claim import Word
 from testbed.studies.scoam.labels import MAIN, ROBUSTNESS, Method, Rung
-from testbed.studies.scoam.verdict.select import Flights, Row
-from testbed.studies.scoam.verdict.words import of_one
+from testbed.studies.scoam.verdict.flights import Flights, Row
+from testbed.studies.scoam.verdict.rulings import of_one
 
 NOMINAL: Final = 0  # replicate that is not varied
 

@@ -21,19 +21,19 @@ def heading(case: Case, name: str) -> Vec:
     return direction(case[f"{name}.az"] * DEG, case[f"{name}.el"] * DEG)
 
 
-def place(case: Case, name: str) -> Vec:
+def position(case: Case, name: str) -> Vec:
     """A printed point, m."""
     return (case[f"{name}.x"], case[f"{name}.y"], case[f"{name}.z"])
 
 
 def own(case: Case) -> Own:
     """The UAV at P_t (Table 1)."""
-    return Own(place(case, "own"), scale(case["own.speed"], heading(case, "own")))
+    return Own(position(case, "own"), scale(case["own.speed"], heading(case, "own")))
 
 
 def obstacle(case: Case, name: str) -> Obstacle:
     """An obstacle of Table 1 or 3."""
-    return Obstacle(place(case, name), scale(case[f"{name}.speed"], heading(case, name)), case[f"{name}.radius"])
+    return Obstacle(position(case, name), scale(case[f"{name}.speed"], heading(case, name)), case[f"{name}.radius"])
 
 
 def seen(case: Case, name: str) -> Obstacle:
@@ -41,7 +41,7 @@ def seen(case: Case, name: str) -> Obstacle:
     body = obstacle(case, name)
     if not case.has(DETECTION):
         return body
-    distance = norm(sub(body.pos_m, place(case, "own")))
+    distance = norm(sub(body.pos_m, position(case, "own")))
     return Obstacle(body.pos_m, body.vel_mps, body.radius_m * distance / case["own.d0"])
 
 
@@ -103,12 +103,12 @@ def insertion(case: Case, name: str) -> tuple[Vec, float]:
 
 def point_in_force(case: Case, name: str) -> Vec:
     """Q_avo a path is drawn through: printed or computed."""
-    return place(case, "q" if name == "o" else "q2") if case.has(CHAIN) else insertion(case, name)[0]
+    return position(case, "q" if name == "o" else "q2") if case.has(CHAIN) else insertion(case, name)[0]
 
 
 def time_to_point(case: Case, name: str) -> float:
     """Time of the straight line from P_t to Q_avo at own speed."""
-    return norm(sub(point_in_force(case, name), place(case, "own"))) / case["own.speed"]
+    return norm(sub(point_in_force(case, name), position(case, "own"))) / case["own.speed"]
 
 
 def critical_direction(case: Case) -> Vec:
@@ -174,7 +174,7 @@ def least(cost: Callable[[float], float], low: float, high: float) -> float:
 
 def k_point(case: Case) -> Vec:
     """K of section 5.2 from eq. 32-33 with the printed y_k, on the rim of either cap: of up to four points the nearest to the print."""
-    speed, me = case["own.speed"], place(case, "own")
+    speed, me = case["own.speed"], position(case, "own")
     y = case["k.y"] - me[1]
     across2 = speed * speed - y * y
     found: list[Vec] = []
@@ -187,7 +187,7 @@ def k_point(case: Case) -> Vec:
             continue
         for side in (math.sqrt(beyond), -math.sqrt(beyond)):
             found.append(add(me, ((axis[0] * level + axis[2] * side) / flat2, y, (axis[2] * level - axis[0] * side) / flat2)))
-    printed = place(case, "k")
+    printed = position(case, "k")
     return min(found, key=lambda p: math.dist(p, printed)) if found else NOWHERE
 
 
@@ -207,7 +207,7 @@ def crossings(case: Case) -> list[Vec]:
 
 def k_velocity(case: Case) -> Vec:
     """P_u K from the K in force: printed or computed."""
-    return sub(place(case, "k") if case.has(CHAIN) else k_point(case), place(case, "own"))
+    return sub(position(case, "k") if case.has(CHAIN) else k_point(case), position(case, "own"))
 
 
 def multi_direction(case: Case) -> Vec:

@@ -19,12 +19,12 @@ from testbed.studies.scoam.claim import (
     Waterfall,
 )
 from testbed.studies.scoam.labels import Method, Part, Rung
-from testbed.studies.scoam.page import wording
+from testbed.studies.scoam.page import paper_names
+from testbed.studies.scoam.page.paper_names import AIRCRAFT, ENCOUNTER, LIMITS, METHOD, METHODS, READINGS, RUNGS
 from testbed.studies.scoam.page.table import DEPENDS, Block, blocks
-from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, LIMITS, METHOD, METHODS, READINGS, RUNGS
 
 if TYPE_CHECKING:
-    from testbed.studies.scoam.verdict.model import Verdict
+    from testbed.studies.scoam.verdict.judged import Verdict
 
 Paragraph = tuple[str, list[str], bool]  # heading, sentences, and whether they are a list
 
@@ -91,9 +91,9 @@ def _claim(block: Block) -> list[str]:
         before = f"{', '.join(under)}: " if len(block.told) > 1 and under else ""
         if claim.paper:
             before += f"\N{LEFT DOUBLE QUOTATION MARK}{claim.paper}\N{RIGHT DOUBLE QUOTATION MARK}: "
-        condition = wording.typeset(claim.condition or "a condition that is not named").rstrip(".")
+        condition = paper_names.typeset(claim.condition or "a condition that is not named").rstrip(".")
         said.append(capital(before) + sentence(PHRASES[claim.word].format(condition=condition)))
-        said += [wording.typeset(text) for text in (claim.why, capital(wording.effect(claim.effect))) if text]
+        said += [paper_names.typeset(text) for text in (claim.why, capital(paper_names.effect(claim.effect))) if text]
         if claim.deciding_limit:
             said.append(f"What decides it: {sentence(claim.deciding_limit)}")
         if claim.robustness_n and math.isfinite(claim.robustness_share):
@@ -119,7 +119,7 @@ def _numbers(made: Sequence[Block]) -> list[str]:
 
 def _printed(claim: Claim) -> str:
     """Printed and recomputed."""
-    digits = max(wording.decimals(claim.paper), words.DIGITS.get(claim.unit, 2))
+    digits = max(paper_names.decimals(claim.paper), words.DIGITS.get(claim.unit, 2))
     return f"printed {claim.paper}, kinematic {words.amount(claim.kinematic, claim.unit, digits)}"
 
 

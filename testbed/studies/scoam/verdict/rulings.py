@@ -10,7 +10,7 @@ from typing import Final
 
 from testbed.results.statistics import Effect
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Word
-from testbed.studies.scoam.verdict.saying import percent
+from testbed.studies.scoam.verdict.csv_words import percent
 
 SHARE: Final = 0.95  # of flights, and of draws, that "holds" needs
 MAJORITY: Final = 0.5  # of draws, below which a failure is put down to what the paper does not print

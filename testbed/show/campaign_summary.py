@@ -9,10 +9,10 @@ from typing import Any
 
 from testbed.results.checks import CheckResult
 from testbed.results.columns import BY_NAME
-from testbed.results.rows import collided, keeps, met_obstacle, value
+from testbed.results.flight_row import collided, keeps, met_obstacle, value
 from testbed.results.statistics import share_interval
 from testbed.show import words
-from testbed.show.columns import SUMMARISED, text
+from testbed.show.shown_columns import SUMMARISED, text
 from testbed.show.words import number
 
 Row = dict[str, Any]
@@ -195,7 +195,7 @@ def cells(rows: Sequence[Row], axes: Sequence[str]) -> list[dict[str, Any]]:
             summary[column.name] = (number(median(known) if known else math.nan, column.digits), number(worst, column.digits), worst)
         lines.append(
             {
-                "place": circumstances(first, axes),
+                "circumstances": circumstances(first, axes),
                 "flyer": flyer(first),
                 "method": words.method(str(first["method"])),
                 "n": len(members),

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from testbed.studies.scoam.audit import encounter as en
+from testbed.studies.scoam.audit import geometry as geo
 from testbed.studies.scoam.audit import manoeuvres as ma
 from testbed.studies.scoam.audit.case import Case
 from testbed.studies.scoam.audit.printed import PRINTED
@@ -38,21 +38,21 @@ def _route() -> Iterator[Row]:
 
 
 def _cap_rows(where: str, name: str) -> Iterator[Row]:
-    g, sub_name = en.CAP_OF[name], {"o": "", "o1": "_1", "o2": "_2"}[name]
+    g, sub_name = geo.CAP_OF[name], {"o": "", "o1": "_1", "o2": "_2"}[name]
     yield relation(
         f"threat_{name}",
         where,
         f"threat judgement of O{sub_name}: alpha_0 - alpha",
         "> 0",
         "deg",
-        partial(en.threat_margin, name=name),
+        partial(geo.threat_margin, name=name),
         BASE if name == "o" else (*BASE, "same_own_state"),
         "judgement",
     )
     for which, symbol, unit in (("r", "r", "m/s"), ("az", "psi_r", "deg"), ("el", "theta_r", "deg"), ("gamma", "gamma", "deg")):
         assumptions = THREAT if name == "o" else (*THREAT, "same_own_state")
         yield value(
-            f"{g}.{which}", where, f"{symbol} of the cap of O{sub_name}", unit, partial(en.cap_value, name=name, which=which), assumptions
+            f"{g}.{which}", where, f"{symbol} of the cap of O{sub_name}", unit, partial(geo.cap_value, name=name, which=which), assumptions
         )
     yield relation(
         f"speed_{g}",
@@ -60,7 +60,7 @@ def _cap_rows(where: str, name: str) -> Iterator[Row]:
         f"own speed r / cos(gamma) of the cap of O{sub_name}",
         "50",
         "m/s",
-        partial(en.implied_speed, g=g),
+        partial(geo.implied_speed, g=g),
         BASE,
         "check",
     )
@@ -74,7 +74,7 @@ def _point_rows(where: str, name: str, q: str, assumptions: tuple[str, ...]) -> 
     for index, axis in enumerate("xyz"):
 
         def formula(case: Case, index: int = index) -> float:
-            return en.insertion(case, name)[0][index]
+            return geo.insertion(case, name)[0][index]
 
         yield value(f"{q}.{axis}", where, f"Q_avo {axis}", "m", formula, assumptions)
 
@@ -85,7 +85,7 @@ def _section_5_1() -> Iterator[Row]:
     for index, (axis, symbol) in enumerate((("az", "psi_u"), ("el", "theta_u"))):
 
         def formula(case: Case, index: int = index) -> float:
-            return en.degrees(en.scoam_direction(case))[index]
+            return geo.degrees(geo.scoam_direction(case))[index]
 
         yield value(f"dir.{axis}", where, f"avoidance direction {symbol}", "deg", formula, THREAT)
     yield relation(
@@ -94,7 +94,7 @@ def _section_5_1() -> Iterator[Row]:
         "angle between the printed direction and the printed cap's axis, minus gamma",
         "0",
         "deg",
-        lambda case: en.deflection(en.heading(case, "g"), en.heading(case, "dir")) / en.DEG - case["g.gamma"],
+        lambda case: geo.deflection(geo.heading(case, "g"), geo.heading(case, "dir")) / geo.DEG - case["g.gamma"],
         BASE,
         "check",
     )
@@ -104,7 +104,7 @@ def _section_5_1() -> Iterator[Row]:
         "deflection of SCOAM above the least that leaves the cone",
         "0",
         "deg",
-        lambda case: en.deflection(en.heading(case, "own"), en.critical_direction(case)) / en.DEG - en.least_turn(case),
+        lambda case: geo.deflection(geo.heading(case, "own"), geo.critical_direction(case)) / geo.DEG - geo.least_turn(case),
         (*THREAT, "space_angle"),
         "claim",
     )
@@ -124,7 +124,7 @@ def _section_5_1() -> Iterator[Row]:
         "least radius of the re-planned path, P_t to Q_avo",
         "flyable",
         "m",
-        lambda case: ma.legs(case, "o", en.direction_in_force(case))[0].min_radius_m,
+        lambda case: ma.legs(case, "o", geo.direction_in_force(case))[0].min_radius_m,
         (*POINT, "without_threat", *PH),
         "claim",
     )
@@ -154,12 +154,12 @@ def _comparison(where: str, table: str, name: str) -> Iterator[Row]:
             key, where, f"{label} path length", "m", partial(_table_length, name=name, method=method, key=key), (*point, *how, *common, *PH)
         )
         key = f"{table}.{method}_time"
-        yield value(key, where, f"{label} avoidance time", "s", partial(en.time_to_point, name=name), (*point, "time_to_q", *common))
+        yield value(key, where, f"{label} avoidance time", "s", partial(geo.time_to_point, name=name), (*point, "time_to_q", *common))
 
 
 def _table_turn(case: Case, name: str, method: str, key: str) -> float:
     if name == "o1" and method == "scoam" and case.has(CHAIN):
-        return en.turn(case, en.turned(case))
+        return geo.turn(case, geo.turned(case))
     return ma.nearest(ma.turns(case, name, method), PRINTED[key].value)
 
 
@@ -223,7 +223,7 @@ def _section_5_2() -> Iterator[Row]:
     for index, axis in enumerate("xyz"):
 
         def coordinate(case: Case, index: int = index) -> float:
-            return en.k_point(case)[index]
+            return geo.k_point(case)[index]
 
         row = value(f"k.{axis}", where, f"K {axis}", "m", coordinate, k_rule)
         yield replace(row, kind="choice") if axis == "y" else row
@@ -233,26 +233,26 @@ def _section_5_2() -> Iterator[Row]:
         "|P_u K| (eq. 32)",
         "50",
         "m/s",
-        lambda case: norm(sub(en.place(case, "k"), en.place(case, "own"))),
+        lambda case: norm(sub(geo.position(case, "k"), geo.position(case, "own"))),
         (*BASE, "same_own_state"),
         "check",
     )
     for index, (axis, symbol) in enumerate((("az", "psi_u"), ("el", "theta_u"))):
 
         def angle(case: Case, index: int = index) -> float:
-            return en.degrees(en.k_velocity(case))[index]
+            return geo.degrees(geo.k_velocity(case))[index]
 
         yield value(f"dir2.{axis}", where, f"avoidance direction {symbol}", "deg", angle, k_rule)
     for index, (axis, symbol) in enumerate((("az", "delta psi_u"), ("el", "delta theta_u"))):
 
         def change(case: Case, index: int = index, axis: str = axis) -> float:
-            return en.degrees(en.multi_direction(case))[index] - case[f"own.{axis}"]
+            return geo.degrees(geo.multi_direction(case))[index] - case[f"own.{axis}"]
 
         yield value(f"turn2.{axis}", where, f"deflection {symbol}", "deg", change, k_rule)
     for key, what, formula in (
-        ("k_on_boundary", "K", lambda case: en.union_margin(case, sub(en.place(case, "k"), en.place(case, "own")))),
-        ("dir2_on_boundary", "the printed direction", lambda case: en.union_margin(case, en.heading(case, "dir2"))),
-        ("turn2_on_boundary", "the direction of the printed deflection", lambda case: en.union_margin(case, en.turned(case))),
+        ("k_on_boundary", "K", lambda case: geo.union_margin(case, sub(geo.position(case, "k"), geo.position(case, "own")))),
+        ("dir2_on_boundary", "the printed direction", lambda case: geo.union_margin(case, geo.heading(case, "dir2"))),
+        ("turn2_on_boundary", "the direction of the printed deflection", lambda case: geo.union_margin(case, geo.turned(case))),
     ):
         yield relation(
             key, where, f"angle of {what} outside both printed caps (eq. 33)", "0", "deg", formula, (*BASE, "same_own_state"), "check"

@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 from scipy.stats import binomtest
 
 from testbed.results.statistics import share_at_least
-from testbed.studies.lead_time.statistics import bootstrap, cost, logistic, quantile, shown_from
+from testbed.studies.lead_time.lead_distributions import bootstrap, cost, logistic, quantile, shown_from
 
 
 def test_the_median_of_twenty_lies_between_the_sixth_and_the_fifteenth() -> None:

@@ -9,8 +9,8 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from testbed.flight.record import TOUCH_M, Outcome
-from testbed.results.rows import Row, keeps
-from testbed.results.rows import value as number
+from testbed.results.flight_row import Row, keeps
+from testbed.results.flight_row import value as number
 from testbed.studies.scoam.labels import AIR, MAIN, ROBUSTNESS, Axis, Method, Part, Rung
 
 MARGINAL_M: Final = 0.15  # three times what the flight loop's rate may change a least clearance by
@@ -64,7 +64,7 @@ class Flights:
             if flew(row):
                 self._found[(part_of(row), label(row, Axis.METHOD), label(row, Axis.RUNG))].append(row)
                 if label(row, Axis.METHOD) == Method.NONE:
-                    self._idle[_place(row)] = row
+                    self._idle[_encounter_in_air(row)] = row
 
     def pick(self, part: str, method: str, rung: str, **labels: str) -> list[Row]:
         """The flights with these labels: axis to label."""
@@ -81,8 +81,8 @@ class Flights:
         return list(dict.fromkeys(label(row, axis) for row in self.all if label(row, Axis.PART) == part))
 
     def idle(self, row: Row) -> Row | None:
-        """The flight without planner in the same place and air."""
-        return self._idle.get(_place(row))
+        """The flight without planner in the same encounter, aircraft, rung and air."""
+        return self._idle.get(_encounter_in_air(row))
 
     def is_threat(self, row: Row) -> bool:
         """Whether the flight without planner fails to keep a radius; taken to be so where that was not flown."""
@@ -111,6 +111,6 @@ def _order(row: Row) -> tuple[Any, ...]:
     return (*who, *names, row.get("replicate") or 0, str(row.get("flight_id")))
 
 
-def _place(row: Row) -> tuple[str, ...]:
+def _encounter_in_air(row: Row) -> tuple[str, ...]:
     axes = (Axis.PART, Axis.ENCOUNTER, Axis.FLOWN_BY, Axis.RUNG)
     return (*(label(row, axis) for axis in axes), str(row.get("replicate")), *air_of(row))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import cache, partial
 
 from testbed.core.units import DEG
-from testbed.studies.scoam.audit import encounter as en
+from testbed.studies.scoam.audit import geometry as geo
 from testbed.studies.scoam.audit import manoeuvres as ma
 from testbed.studies.scoam.audit.case import Case, numbers
 from testbed.studies.scoam.audit.readings import AS_PRINTED, READINGS
@@ -15,9 +15,9 @@ from vosc import Obstacle, Own, cap, threat
 from vosc.vec import along, norm, sub
 
 
-def text(x: float, places: int) -> str:
-    """A number to so many places, without negative zero."""
-    return f"{round(x, places) + 0.0:.{places}f}"
+def text(x: float, decimals: int) -> str:
+    """A number to so many decimals, without negative zero."""
+    return f"{round(x, decimals) + 0.0:.{decimals}f}"
 
 
 def note(key: str) -> str:
@@ -34,14 +34,14 @@ def _case(reading_name: str) -> Case:
 
 def _angle(one: str, other: str) -> float:
     case = _case("as_printed")
-    return en.deflection(en.heading(case, one), en.heading(case, other)) / DEG
+    return geo.deflection(geo.heading(case, one), geo.heading(case, other)) / DEG
 
 
 def _distance_for(name: str, reading: str) -> float:
     """The distance, along the line of sight, at which the obstacle's cap has the printed half-angle, m."""
     case = _case(reading)
-    me, body = en.own(case), en.obstacle(case, name)
-    sight, wanted = sub(body.pos_m, me.pos_m), case[f"{en.CAP_OF[name]}.gamma"] * DEG
+    me, body = geo.own(case), geo.obstacle(case, name)
+    sight, wanted = sub(body.pos_m, me.pos_m), case[f"{geo.CAP_OF[name]}.gamma"] * DEG
     low, high = 1.01 * body.radius_m / norm(sight), 1.0
     while high - low > 1e-9:
         middle = 0.5 * (low + high)
@@ -50,11 +50,11 @@ def _distance_for(name: str, reading: str) -> float:
     return high * norm(sight)
 
 
-def _family(value: Callable[[float], float], places: int = 1) -> str:
+def _family(value: Callable[[float], float], decimals: int = 1) -> str:
     """Range of a number over the unprinted end magnitudes."""
     values = [value(m) for m in ma.MAGNITUDES]
     chords = f"{ma.MAGNITUDES[0]:.1f} to {ma.MAGNITUDES[-1]:.1f} chords"
-    return f"{text(min(values), places)} to {text(max(values), places)} m for end derivatives of {chords}"
+    return f"{text(min(values), decimals)} to {text(max(values), decimals)} m for end derivatives of {chords}"
 
 
 def _length(name: str, method: str) -> str:
@@ -67,7 +67,7 @@ def _length(name: str, method: str) -> str:
 
 
 def _time(name: str, method: str) -> str:
-    straight = en.time_to_point(_case("printed_results"), name)
+    straight = geo.time_to_point(_case("printed_results"), name)
     if method == "scoam":
         return f"the printed Q_avo is {50.0 * straight:.1f} m away, {straight:.3f} s at 50 m/s along the straight line"
     return f"no insertion point of DROAM is printed; to that of SCOAM, common to all methods by eq. 34-35, it is {straight:.3f} s at least"
@@ -79,7 +79,7 @@ def _sides(name: str, plane: str, reading: str) -> str:
     index = 0 if plane == "hp" else 1
     found = []
     for new in ma.droam(case, name, plane):
-        change = en.degrees(new)[index] - (case["own.az"], case["own.el"])[index]
+        change = geo.degrees(new)[index] - (case["own.az"], case["own.el"])[index]
         found.append(f"{abs(change):.1f} {names[change < 0]}")
     return " or ".join(found) + f" ({reading})"
 
@@ -88,18 +88,18 @@ def _cap_note(name: str) -> str:
     readings = ("as_printed",) if name == "o1" else ("as_printed", "o2_elevation_plus")
     near = " or ".join(f"{_distance_for(name, reading):.0f} m ({reading})" for reading in readings)
     case = _case("as_printed")
-    real = norm(sub(en.place(case, name), en.place(case, "own")))
-    return f"a half-angle of {case[en.CAP_OF[name] + '.gamma']:g} deg needs O_{name[1]} at {near}, not {real:.0f} m"
+    real = norm(sub(geo.position(case, name), geo.position(case, "own")))
+    return f"a half-angle of {case[geo.CAP_OF[name] + '.gamma']:g} deg needs O_{name[1]} at {near}, not {real:.0f} m"
 
 
 def _miss(name: str, reading: str) -> float:
     case = _case(reading)
-    return float(threat(en.own(case), en.obstacle(case, name)).miss_m)
+    return float(threat(geo.own(case), geo.obstacle(case, name)).miss_m)
 
 
 def _angle_k(g: str) -> float:
     case = _case("printed_results")
-    return en.deflection(en.heading(case, g), en.k_velocity(case)) / DEG
+    return geo.deflection(geo.heading(case, g), geo.k_velocity(case)) / DEG
 
 
 def _shorter(magnitude: float) -> float:
@@ -115,7 +115,7 @@ def _longer_leg(magnitude: float) -> float:
 
 
 def _direction_note() -> str:
-    found = {r: en.degrees(en.critical_direction(_case(r))) for r in SINGLE}
+    found = {r: geo.degrees(geo.critical_direction(_case(r))) for r in SINGLE}
     pairs = ", ".join(f"({azimuth:.1f}, {elevation:.1f}) with {r}" for r, (azimuth, elevation) in found.items())
     return f"the pair is {pairs}, printed (36.6, 13.2)"
 
@@ -128,7 +128,7 @@ def _table_2_note() -> str:
 
 
 def _too_high() -> str:
-    high = en.insertion(_case("azimuth_106"), "o")[0][2] - _case("as_printed")["q.z"]
+    high = geo.insertion(_case("azimuth_106"), "o")[0][2] - _case("as_printed")["q.z"]
     return f"with the elevation of Table 1 the point comes out {high:.1f} m too high; direction_106_10 was read off this point"
 
 
@@ -146,7 +146,7 @@ def _missed(name: str) -> str:
 def _held() -> str:
     case = _case("printed_results")
     least_out = case["g2.gamma"] - _angle("g2", "own")
-    least_s = min(en.deflection(en.heading(case, "own"), s) for s in en.crossings(case)) / DEG
+    least_s = min(geo.deflection(geo.heading(case, "own"), s) for s in geo.crossings(case)) / DEG
     return f"no turn below {least_out:.1f} deg leaves the printed cap of O_2, and S or S' of the printed caps take {least_s:.1f} deg"
 
 

@@ -6,7 +6,7 @@ import math
 from typing import Any, Final
 
 from testbed.studies.scoam.claim import Claim
-from testbed.studies.scoam.verdict.model import Verdict
+from testbed.studies.scoam.verdict.judged import Verdict
 
 DIGITS: Final = 6
 

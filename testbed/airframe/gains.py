@@ -1,4 +1,4 @@
-"""Place the inner loops on the linear model: a pattern search over the gains, the same for every aircraft.
+"""Gains of the inner loops, found on the linear model: a pattern search over the gains, the same for every aircraft.
 
 Each loop gets the gains of the least step error (command and disturbance) among those whose greatest sensitivity stays below
 ``MOST_SENSITIVITY``. Gains move by fixed ratios and are rounded to three digits, so the result does not hang on the last bit.
@@ -58,7 +58,7 @@ def _penalty(loop: ClosedLoop, response_peak: float) -> float:
     return 100.0 * over
 
 
-def place_lateral(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ...]) -> AutopilotGains:
+def lateral_gains(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ...]) -> AutopilotGains:
     """Aileron and rudder. The rudder's feed-forward keeps a turn and its entry free of sideslip, its feedback answers what upsets it."""
     time_constant, rate_per_aileron = roll_in_one_degree(model)
     _, per_roll_rate, per_yaw_rate, _ = model.a_lat[2]
@@ -113,7 +113,7 @@ def slip_cost(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ..
     return float((slips**2).sum() + (rudder**2).sum()) * STEP_S + _penalty(loop, 1.0)
 
 
-def place_pitch(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ...]) -> AutopilotGains:
+def pitch_gains(model: LinearModel, gains: AutopilotGains, lags_s: tuple[float, ...]) -> AutopilotGains:
     """Elevator: the feed-forward is that of a steady pull; feedback keeps the load factor against what upsets it."""
     forward = -elevator_per_load_factor(model)
     damping = -0.2 * float(model.a_long[2, 2] / model.b_long[2, 0])

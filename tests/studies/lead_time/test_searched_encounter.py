@@ -8,7 +8,7 @@ from scipy.stats import kstest
 
 from testbed import fly, measure
 from testbed.campaign.words.settings import FlightPlan
-from testbed.studies.lead_time.encounter import at_lead, drawn
+from testbed.studies.lead_time.searched_encounter import at_lead, drawn
 from tests.studies.lead_time.studies import AT_ONCE, HEAD_WIND, RAILS, SIDE_WIND, STUDY, study
 
 

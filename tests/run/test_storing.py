@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from testbed.run import keep, runner
+from testbed.run import runner, storing
 from tests.run.little import CAMPAIGN, contents, fly, little_campaign, stop_after
 
 __all__ = ["little_campaign"]  # every test here has it
@@ -34,7 +34,7 @@ def test_raw_columns_are_kept_as_asked_and_cleared_with_the_run(tmp_path, kept, 
 
 
 def test_series_are_kept_for_the_first_cells_only_however_the_run_is_cut(tmp_path, monkeypatch):
-    monkeypatch.setattr(keep, "SERIES", 1)
+    monkeypatch.setattr(storing, "SERIES", 1)
     with pytest.raises(KeyboardInterrupt):
         fly(tmp_path, progress=stop_after(6))
     directory = fly(tmp_path).directory
@@ -52,7 +52,7 @@ parts:
 
 def test_each_part_is_recorded_and_drawn_in_its_own_right(tmp_path, monkeypatch):
     """Ten flights have a first replicate, six of them in the first part; four series are one of each part, then one more."""
-    monkeypatch.setattr(keep, "SERIES", 4)
+    monkeypatch.setattr(storing, "SERIES", 4)
     (tmp_path / "little.yaml").write_text(CAMPAIGN.partition("sweep:")[0] + PARTS)
     directory = fly(tmp_path).directory
     with (directory / "results.csv").open(newline="") as table:

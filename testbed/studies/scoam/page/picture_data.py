@@ -6,12 +6,12 @@ from typing import Any
 
 from testbed.core.catalogue import aircraft_folders
 from testbed.flight.plants.aircraft import load_aircraft
-from testbed.results.rows import collided, value
+from testbed.results.flight_row import collided, value
 from testbed.show import palette
-from testbed.show.answer import Row
+from testbed.show.campaign_summary import Row
 from testbed.show.words import named, number
 from testbed.studies.scoam.labels import Axis, Compass, Design, Part, Rung, Severity
-from testbed.studies.scoam.page.wording import AIRCRAFT, ENCOUNTER, METHOD
+from testbed.studies.scoam.page.paper_names import AIRCRAFT, ENCOUNTER, METHOD
 
 CURVES = ("time_s", "x", "y", "z", "clearance_m", "bank_deg", "load_factor", "roll_rate_dps", "paths", "obstacles", "decisions")
 

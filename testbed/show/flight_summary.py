@@ -150,7 +150,7 @@ def _decision(event: ReplanEvent) -> list[str]:
 
     centre = f"({angle(event.cap_azimuth_rad)}, {angle(event.cap_elevation_rad)})"
     cap = f"r {number(event.cap_radius_mps, 1)} m/s, {centre}, gamma {angle(event.cap_half_angle_rad)}"
-    place = ", ".join(number(x, 1) for x in event.insertion_enu_m)
+    point = ", ".join(number(x, 1) for x in event.insertion_enu_m)
     return [
         "| angles in deg | |\n|---|---:|",
         f"| obstacle, radius | {event.obstacle}, {number(event.radius_m, 1)} m |",
@@ -162,7 +162,7 @@ def _decision(event: ReplanEvent) -> list[str]:
         f"| method, status | {words.method(event.method)}, {words.read_aloud(event.status)} |",
         f"| command | {direction(event.command_enu_mps)} |",
         f"| deflection | {angle(event.deflection_rad)} |",
-        f"| insertion point | ({place}) after {number(event.insertion_time_s, 2)} s |",
+        f"| insertion point | ({point}) after {number(event.insertion_time_s, 2)} s |",
         f"| least radius to it | {number(radius_m(event.max_curvature_to_insertion_1pm), 0)} m |",
         f"| a level turn of it needs | {number(bank_deg, 0)} deg of bank, load factor {number(load, 2)} |",
     ]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from testbed.results.columns import BY_NAME, Column
-from testbed.results.rows import value
+from testbed.results.flight_row import value
 from testbed.show.words import number
 
 SHOWN = tuple(
