@@ -4,6 +4,7 @@ import ast
 import itertools
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -13,58 +14,47 @@ from testbed.contracts.check import check
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "CONTRIBUTING.md").read_text()
 WALKS = dict(re.findall(r"^### (.+?)\n\n((?:\d\. .+\n)+)", TEXT.partition("## Three walks")[2].partition("\n## ")[0], re.M))
-STEP = re.compile(r"^\d\. `(?P<file>[\w/.]+\.py)`: `(?P<symbol>[\w.]+)`", re.M)
+STEP = re.compile(r"^\d\. `(?P<file>[\w/.]+\.py)`: `(?P<symbol>\w+)`[^\n]*?(?:hands on `(?P<name>\w+)`)?\.$", re.M)
 MOST_FILES = 5
 
 
-def steps(walk: str) -> list[tuple[Path, str]]:
-    return [(ROOT / found["file"], found["symbol"]) for found in STEP.finditer(WALKS[walk])]
+class Stage(NamedTuple):
+    """A step of a walk; ``hands_on`` is the word to look for in the next file, empty at the end."""
+
+    file: Path
+    symbol: str
+    hands_on: str
 
 
-def defined(tree: ast.AST, symbol: str) -> bool:
-    """``Class.member`` or a name of the module."""
-    name, _, rest = symbol.partition(".")
-    for node in ast.iter_child_nodes(tree):
-        names = [getattr(node, "name", None)]
-        if isinstance(node, ast.Assign):
-            names = [target.id for target in node.targets if isinstance(target, ast.Name)]
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            names = [node.target.id]
-        if name in names:
-            return not rest or defined(node, rest)
-    return False
+def stages(walk: str) -> list[Stage]:
+    return [Stage(ROOT / found["file"], found["symbol"], found["name"] or "") for found in STEP.finditer(WALKS[walk])]
 
 
-def module(file: Path) -> str:
-    return ".".join(file.relative_to(ROOT).with_suffix("").parts)
-
-
-def knows(file: Path, other: Path) -> bool:
-    """Does a file import the other, or plug it in by its name?"""
-    text = file.read_text()
-    package, _, name = module(other).rpartition(".")
-    return module(other) in text or f"from {package} import {name}" in text
-
-
-def linked(first: Path, second: Path) -> bool:
-    tables = [folder / "__init__.py" for folder in (first.parent, second.parent)]
-    return first == second or knows(first, second) or knows(second, first) or any(knows(table, second) for table in tables)
+def names_in(tree: ast.AST) -> set[str]:
+    """Every name of a module's top level."""
+    found = {getattr(node, "name", "") for node in ast.iter_child_nodes(tree)}
+    return found | {
+        target.id for node in ast.walk(tree) if isinstance(node, ast.Assign) for target in node.targets if isinstance(target, ast.Name)
+    }
 
 
 def test_there_are_three_walks() -> None:
     assert len(WALKS) == 3
-    assert all(len(steps(walk)) == walk_lines.count("\n") for walk, walk_lines in WALKS.items()), "every line is a step"
+    for walk, lines in WALKS.items():
+        assert len(stages(walk)) == lines.count("\n"), f"{walk}: every line is a step"
+        assert all(stage.hands_on for stage in stages(walk)[:-1])
 
 
 @pytest.mark.parametrize("walk", WALKS)
 def test_a_walk_can_be_walked(walk: str) -> None:
-    way = steps(walk)
-    assert len({file for file, _ in way}) <= MOST_FILES
-    for file, symbol in way:
-        assert file.exists(), file
-        assert defined(ast.parse(file.read_text()), symbol), f"{file.name} has no {symbol}"
-    for (first, _), (second, _) in itertools.pairwise(way):
-        assert linked(first, second), f"{first.name} and {second.name} do not know each other"
+    way = stages(walk)
+    assert len({stage.file for stage in way}) <= MOST_FILES
+    for stage in way:
+        assert stage.file.exists(), stage.file
+        assert stage.symbol in names_in(ast.parse(stage.file.read_text())), f"{stage.file.name} has no {stage.symbol}"
+    for stage, following in itertools.pairwise(way):
+        for file in (stage.file, following.file):
+            assert re.search(rf"\b{stage.hands_on}\b", file.read_text()), f"'{stage.hands_on}' is not in {file.name}"
 
 
 def test_the_files_it_names_are_there() -> None:
