@@ -1,7 +1,7 @@
 """What a plan's ``vary`` makes of its aircraft: factors, drawn evenly from 1 -+ a share and known by the name of what they scale.
 
 The draw knows the seed and the replicate and not the method, the plant or the share: half the share is half the deviation, and a
-point has the lags and gains of the aeroplane. Autopilot and guidance keep the gains, look-ahead times and limits of the aircraft as published,
+point has the lags and gains of the aeroplane. Autopilot and guidance keep gains, look-ahead times and limits of the aircraft as published,
 apart from what ``gains_share`` changes: whether they hold an aircraft that is not the one they were made for is the question.
 
     from testbed.flight.variation import variation

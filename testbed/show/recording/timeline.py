@@ -14,5 +14,5 @@ def index(time_s: np.ndarray) -> rr.TimeColumn:
 def thinned(rows: np.ndarray, rate_hz: float, plant_hz: float) -> np.ndarray:
     """About every ``plant_hz / rate_hz``-th of some rows, the last one always."""
     step = max(1, round(plant_hz / rate_hz))
-    kept = rows[::step]
-    return kept if len(rows) == 0 or kept[-1] == rows[-1] else np.append(kept, rows[-1])
+    chosen = rows[::step]
+    return chosen if len(rows) == 0 or chosen[-1] == rows[-1] else np.append(chosen, rows[-1])

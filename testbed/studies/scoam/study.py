@@ -17,7 +17,7 @@ class Scoam(Study):
     labels: ClassVar[Labels | None] = LABELS
     formerly: ClassVar[Mapping[str, str]] = {"verdict": "study: {kind: scoam}"}
 
-    def draws(self, plan: FlightPlan) -> bool:
+    def pictures(self, plan: FlightPlan) -> bool:
         from testbed.studies.scoam.page.picture_data import shown
 
         return shown(plan.labels, plan.replicate) is not None

@@ -102,7 +102,7 @@ def insertion(case: Case, name: str) -> tuple[Vec, float]:
 
 
 def point_in_force(case: Case, name: str) -> Vec:
-    """Q_avo a path is drawn through: printed or computed."""
+    """Q_avo a path is laid through: printed or computed."""
     return position(case, "q" if name == "o" else "q2") if case.has(CHAIN) else insertion(case, name)[0]
 
 

@@ -1,4 +1,4 @@
-"""Which flights the verdict draws, and the data behind its curves. The drawing itself is templates/verdict.js."""
+"""Which flights the verdict pictures, and the data behind its curves. The drawing itself is templates/verdict.js."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -19,7 +19,7 @@ BETTER, WORSE, EQUAL, OPEN = "better", "worse", "equal", "open"
 ALPHA: Final = 0.05
 MEASURES: Final = (CLEARANCE, DEFLECTION, LENGTH, LOAD)
 SAFE: Final = "share that is safe"
-DRAWN: Final = Encounter.MULTI_O2_UP
+MULTI_DRAWN: Final = Encounter.MULTI_O2_UP
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def superior(flights: Flights) -> Claim:
     """The claim of section 5.2, with the paired difference in clearance when flown as its effect."""
     rails, flown = criteria(flights, Rung.KINEMATIC), criteria(flights, Rung.JSBSIM)
     first = rule(rails, flown)
-    nominal, words = draw_words(flights, CLEARANCE, DROAM, DRAWN)
+    nominal, words = draw_words(flights, CLEARANCE, DROAM, MULTI_DRAWN)
     agree = agreement(first.word, nominal, words)
     ruling = robust(first, agree)
     rung = Rung.JSBSIM if flown and first.word != FAILS_KINEMATICALLY else Rung.KINEMATIC
@@ -110,7 +110,7 @@ def superior(flights: Flights) -> Claim:
         "the superiority of the space SCOAM",
         "m",
         "least clearance of SCOAM minus that of the better DROAM",
-        DRAWN,
+        MULTI_DRAWN,
         MAIN,
         _nominal(flights, Rung.KINEMATIC),
         _nominal(flights, Rung.POINT_MASS),
@@ -142,7 +142,7 @@ def _effect(flights: Flights, rung: str) -> Effect:
 
 def _nominal(flights: Flights, rung: str) -> float:
     """In the encounter of section 5.2 that is one, in calm air: against the better of all four sides."""
-    found = paired(flights, CLEARANCE, Part.CALM, rung, DROAM, encounter=DRAWN, flown_by=MAIN)
+    found = paired(flights, CLEARANCE, Part.CALM, rung, DROAM, encounter=MULTI_DRAWN, flown_by=MAIN)
     return found.differences[0] if found.differences else NAN
 
 
