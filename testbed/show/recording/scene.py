@@ -37,11 +37,11 @@ def log_route(stream: rr.RecordingStream, record: FlightRecord) -> None:
         if count == 0:
             stream.log("world/plan/route", lines, static=True)
         else:
-            stream.set_time(timeline.NAME, duration=path.from_time_s)
+            stream.set_time(timeline.TIMELINE, duration=path.from_time_s)
             stream.log(f"world/plan/replanned_{count}", lines)
     for count, event in enumerate(record.events, start=1):
         if all(math.isfinite(x) for x in event.insertion_enu_m):
-            stream.set_time(timeline.NAME, duration=event.time_s)
+            stream.set_time(timeline.TIMELINE, duration=event.time_s)
             point = rr.Points3D(
                 [event.insertion_enu_m], labels="insertion point", colors=rgba(palette.COMMAND), radii=rr.Radius.ui_points(6)
             )
@@ -108,7 +108,7 @@ def _log_closest(stream: rr.RecordingStream, record: FlightRecord, metrics: Flig
         np.array([np.interp(at_s, time_s, record.columns[column][:, k]) for k in range(3)])
         for column in ("own.pos_enu_m", f"obstacle.{name}.pos_enu_m")
     ]
-    stream.set_time(timeline.NAME, duration=at_s)
+    stream.set_time(timeline.TIMELINE, duration=at_s)
     line = rr.LineStrips3D(
         [ends],
         labels=f"least clearance {number(metrics.least_clearance_m, 1)} m",

@@ -3,12 +3,12 @@
 import numpy as np
 import rerun as rr
 
-NAME = "sim_time"
+TIMELINE = "sim_time"
 
 
 def index(time_s: np.ndarray) -> rr.TimeColumn:
     """Rows at those times. Rounded here, because floats are rounded in one call and cut off in another."""
-    return rr.TimeColumn(NAME, duration=np.round(np.asarray(time_s) * 1e9).astype("timedelta64[ns]"))
+    return rr.TimeColumn(TIMELINE, duration=np.round(np.asarray(time_s) * 1e9).astype("timedelta64[ns]"))
 
 
 def thinned(rows: np.ndarray, rate_hz: float, plant_hz: float) -> np.ndarray:

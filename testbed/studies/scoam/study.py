@@ -18,9 +18,9 @@ class Scoam(Study):
     formerly: ClassVar[Mapping[str, str]] = {"verdict": "study: {kind: scoam}"}
 
     def pictures(self, plan: FlightPlan) -> bool:
-        from testbed.studies.scoam.page.picture_data import shown
+        from testbed.studies.scoam.page.picture_data import picture_of
 
-        return shown(plan.labels, plan.replicate) is not None
+        return picture_of(plan.labels, plan.replicate) is not None
 
     def write(self, run: Run) -> Written:
         from testbed.studies.scoam.page import render
