@@ -5,7 +5,7 @@ from pathlib import Path
 
 from testbed.flight.record import Decision, Outcome
 from testbed.flight.record.signals import SIGNALS
-from testbed.results.columns import IDENTITY, METRICS, Column
+from testbed.results.columns import IDENTITY_COLUMNS, METRICS, Column
 from vosc.methods import Status
 
 FILE = Path(__file__).with_name("results.md")
@@ -81,7 +81,7 @@ def text() -> str:
     """The whole page."""
     signals = [(f"`{one.name}`", " ".join(one.parts) or "one", one.unit or "-", one.definition) for one in SIGNALS]
     return TEXT.format(
-        identity=of_columns(IDENTITY),
+        identity=of_columns(IDENTITY_COLUMNS),
         metrics=of_columns(METRICS),
         outcomes=named(list(Outcome)),
         decisions=named(list(Decision)),

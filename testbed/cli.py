@@ -306,12 +306,12 @@ def check(
         from testbed.contracts.check import check as tried
 
         try:
-            kept, lines = tried(family, kind, given_options(option or ()))
+            promised, lines = tried(family, kind, given_options(option or ()))
         except CheckError as problem:
             _fail(str(problem))
     for line in lines:
         _say(line)
-    raise typer.Exit(0 if kept else CRASHED)
+    raise typer.Exit(0 if promised else CRASHED)
 
 
 @app.command()

@@ -27,7 +27,7 @@ from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import TrimFailedError
 from testbed.flight.plants.rig import Rig
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_\-]*")
+VALID_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_\-]*")
 SLOWEST_MPS, FASTEST_MPS, RATIO = 12.0, 330.0, 1.1  # of the speeds that are tried
 CRUISE, CRUISE_SHARE = 1.6, 0.85  # the reference airspeed: times the airspeed at which 1 g takes the angle of attack; of the fastest
 
@@ -47,7 +47,7 @@ def add_aircraft(name: str, wheel: str | None, path: Path | None, speed_mps: flo
     """What the command does: one of ``wheel`` and ``path`` names the model. Raises ``NewAircraftError``."""
     if (wheel is None) == (path is None):
         raise NewAircraftError("name the model: --wheel MODEL for one that JSBSim ships, or --path for a file or folder of yours")
-    if not NAME.fullmatch(name):
+    if not VALID_NAME.fullmatch(name):
         raise NewAircraftError(f"'{name}' is no name for an aircraft: letters, digits, _ and - only")
     if speed_mps is not None and not (math.isfinite(speed_mps) and speed_mps > 0.0):
         raise NewAircraftError(f"--speed must be a finite number of m/s above 0, not {speed_mps:g}")

@@ -16,7 +16,7 @@ from testbed.flight.route.path import ActivePath
 from vosc import ph
 
 AIRCRAFT, SPEED_MPS, DT_S = "gtm_t2", 50.0, 1.0 / 60.0
-STEPS = 30
+STEPS_TRIED = 30
 WITHIN_M = 20.0  # of its path stays a law that follows it
 ROUTES: dict[str, dict[str, Any]] = {
     "a straight line": {"goal_enu_m": [900, 0, 0], "goal_direction_deg": [0, 0]},
@@ -70,7 +70,7 @@ def _starts(law: Law) -> str:
 def _commands(law: Law, state: State, path: ActivePath) -> str:
     limits = load_aircraft(AIRCRAFT).limits
     memory = law.start(300.0)
-    for _ in range(STEPS):
+    for _ in range(STEPS_TRIED):
         command, memory, telemetry = law.step(memory, state, path)
         if not all(map(math.isfinite, command)):
             return f"commands {command}"

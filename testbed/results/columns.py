@@ -208,7 +208,7 @@ def read_aloud(name: str) -> str:
     return name.replace("_", " ")
 
 
-IDENTITY: Final = (
+IDENTITY_COLUMNS: Final = (
     _known("flight_id", Kind.TEXT, "12 hexadecimal digits that stand for everything the flight depends on."),
     _known("cell", Kind.TEXT, "The labels of the flight's axes, joined by '/'."),
     _known("replicate", Kind.WHOLE, "Number of the flight in its cell, from 0."),
@@ -227,7 +227,7 @@ def _column(name: str, kind: Kind, told: dict[str, Any]) -> Column:
 METRICS: Final = tuple(_column(one.name, _KINDS[one.type], dict(one.metadata)) for one in fields(FlightMetrics))
 """What was measured."""
 
-COLUMNS: Final = (*IDENTITY, *METRICS)
+COLUMNS: Final = (*IDENTITY_COLUMNS, *METRICS)
 BY_NAME: Final = {column.name: column for column in COLUMNS}
 
 

@@ -24,7 +24,7 @@ from testbed.flight.record import FlightRecord
 from testbed.flight.record.signals import flat
 from testbed.results.plain import plain
 
-KEPT = ("time_s", "own.pos_enu_m", "own.vel_enu_mps", "air.wind_enu_mps")
+ALWAYS_STORED = ("time_s", "own.pos_enu_m", "own.vel_enu_mps", "air.wind_enu_mps")
 FLIGHT = "flight"  # key of the metadata
 ROUNDING = 1e-9  # m and m/s: what the arithmetic of a straight line leaves, and no turn of any obstacle
 
@@ -46,7 +46,7 @@ def raw_table(record: FlightRecord) -> pa.Table:
     """The columns, and under ``flight`` in the metadata of the schema what is no column."""
     said = about(record)
     bent = [obstacle["name"] for obstacle in said["obstacles"] if "pos_enu_m" not in obstacle]
-    columns = flat({name: record.columns[name] for name in (*KEPT, *(column for obstacle in bent for column in way(obstacle)))})
+    columns = flat({name: record.columns[name] for name in (*ALWAYS_STORED, *(column for obstacle in bent for column in way(obstacle)))})
     metadata = {FLIGHT: json.dumps(plain(said), allow_nan=False, separators=(",", ":"))}
     return pa.table({name: np.ascontiguousarray(values) for name, values in columns.items()}, metadata=metadata)
 

@@ -83,8 +83,8 @@ class RunDirectory:
 
     def clear(self) -> None:
         """Remove a former run, and nothing else."""
-        for kept in (*self.recordings.glob("*.rrd*"), *self.columns.glob("*.parquet*"), *(self / "plugins").glob("*.py")):
-            kept.unlink()
+        for stored in (*self.recordings.glob("*.rrd*"), *self.columns.glob("*.parquet*"), *(self / "plugins").glob("*.py")):
+            stored.unlink()
         for name in (*self._of_study(), *OURS, MANIFEST):
             (self / name).unlink(missing_ok=True)
 

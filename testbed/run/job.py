@@ -18,7 +18,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Job:
-    """A plan, and what to keep of its flight."""
+    """A plan, and what to store of its flight."""
 
     plan: FlightPlan
     recording_path: Path | None = None  # absolute: workers need not share the driver's current folder

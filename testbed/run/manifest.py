@@ -8,7 +8,7 @@ from testbed.run import identity
 from testbed.run.directory import MANIFEST, STUDY_FILES, BadInputError, RunDirectory
 from testbed.run.world import World
 
-IDENTITY = ("plan", "code", "versions", "plugins", "aircraft")
+IDENTITY_KEYS = ("plan", "code", "versions", "plugins", "aircraft")
 
 GUESTS = {"plugins": "plug-in", "aircraft": "aircraft"}
 """What a campaign brings with it, to the word for it in messages."""
@@ -16,7 +16,7 @@ GUESTS = {"plugins": "plug-in", "aircraft": "aircraft"}
 Manifest = dict[str, Any]
 Fingerprint = dict[str, Any]
 
-SHOWN = ("campaign", "source", "overrides", "seed", "revision", "dirty", "platform", "aircraft")
+TOLD_OF_ORIGIN = ("campaign", "source", "overrides", "seed", "revision", "dirty", "platform", "aircraft")
 """What the page may say of a run's origin: nothing that changes with the hour, the number of workers or the folder."""
 
 
@@ -57,7 +57,7 @@ def load(directory: RunDirectory) -> Manifest:
     """The manifest of a run that is there."""
     manifest = directory.load(MANIFEST)
     try:
-        _ = [manifest[key] for key in (*SHOWN, "history")] + [manifest["identity"][key] for key in IDENTITY]
+        _ = [manifest[key] for key in (*TOLD_OF_ORIGIN, "history")] + [manifest["identity"][key] for key in IDENTITY_KEYS]
         _ = manifest["aircraft_path"], manifest[STUDY_FILES]
     except (TypeError, KeyError):
         raise BadInputError(f"{directory / MANIFEST}: damaged; start again with --fresh, or into another directory with --out") from None
@@ -119,7 +119,7 @@ def _changed(word: str, there: dict[str, str], now: dict[str, str]) -> list[str]
 def provenance(manifest: Manifest, planned: int, flown: int) -> dict[str, Any]:
     """What the page is told of the run's origin."""
     names = manifest["identity"]
-    return {key: manifest[key] for key in SHOWN} | {
+    return {key: manifest[key] for key in TOLD_OF_ORIGIN} | {
         "plan_hash": names["plan"],
         "code_hash": names["code"],
         "versions": names["versions"],

@@ -61,16 +61,16 @@ class Run:
     def series(self, columns: Sequence[str] | None = None, every_s: float | None = None) -> "pd.DataFrame":
         """What the flights did over time: ``flight_id``, ``time_s`` and the signals, one row an instant; flights in plan order.
 
-        ``columns``: names of signals (``own.pos_enu_m`` stands for its three parts), by default all that were kept. ``every_s``: one
+        ``columns``: names of signals (``own.pos_enu_m`` stands for its three parts), by default all that were stored. ``every_s``: one
         instant every so many seconds from 0 on, to the nearest tick; by default every tick of the plant. A flight has a series where
         the campaign said ``columns: all`` or ``selected``.
         """
         import pandas as pd
 
-        kept = [plan.flight_id for plan in self.plans if (self.directory.columns / f"{plan.flight_id}.parquet").is_file()]
-        if not kept:
+        stored = [plan.flight_id for plan in self.plans if (self.directory.columns / f"{plan.flight_id}.parquet").is_file()]
+        if not stored:
             raise BadInputError(f"{self.directory.path}: kept no series; fly the campaign with --set columns=all (or selected)")
-        frames = [self._series_of(flight_id, columns, every_s) for flight_id in kept]
+        frames = [self._series_of(flight_id, columns, every_s) for flight_id in stored]
         return pd.concat(frames, ignore_index=True)
 
     def _series_of(self, flight_id: str, columns: Sequence[str] | None, every_s: float | None) -> "pd.DataFrame":

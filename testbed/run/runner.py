@@ -82,7 +82,7 @@ def run(order: Order) -> Summary:
         # also when continuing: a run killed in its first moment has the manifest and not yet these
         directory.put("campaign.yaml", _note_overrides(order) + text)
         directory.put("plan.json", identity.canonical(plan))
-        world_files.keep(directory, world)
+        world_files.store(directory, world)
         flown = _fly(directory, order, campaign, plans, about, world)
         return _written(directory, flown)
 
@@ -114,15 +114,15 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Seque
     leg = how | {"started": _now(), "ended": None, "flights": len(jobs)}
     about["history"].append(leg)
     manifest.save(directory, about)
-    kept, bad = len(plans) - len(jobs), 0
-    order.progress(kept, len(plans), bad)
+    already, bad = len(plans) - len(jobs), 0
+    order.progress(already, len(plans), bad)
     try:
         with journal.appending(directory / "rows.jsonl") as rows, closing(order.engine.imap(order.job, jobs)) as results:
             for count, (number, result) in enumerate(results, 1):
                 finished = crashed(jobs[number], result.reason, result.details) if isinstance(result, Died) else result
                 rows.append(finished)
                 bad += finished.row["outcome"] == Outcome.CRASHED.value
-                order.progress(kept + count, len(plans), bad)
+                order.progress(already + count, len(plans), bad)
         leg["ended"] = _now()
     finally:
         if identity.code_hash() != about["identity"]["code"]:

@@ -30,9 +30,9 @@ def plan_of(directory: RunDirectory) -> tuple[Campaign, list[FlightPlan]]:
 
 
 def world_of_run(directory: RunDirectory) -> World:
-    """The plug-ins that the run keeps, and where its aircraft were. Raises ``BadInputError``."""
+    """The plug-ins that the run stores, and where its aircraft were. Raises ``BadInputError``."""
     about = manifest.load(directory)
-    return world.kept(directory, about["identity"]["plugins"], about["aircraft_path"])
+    return world.stored_world(directory, about["identity"]["plugins"], about["aircraft_path"])
 
 
 def rows_of(directory: RunDirectory) -> dict[str, JobResult]:

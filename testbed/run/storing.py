@@ -1,4 +1,4 @@
-"""What a run keeps of each flight: recordings, raw columns, curves for the page. It follows from the whole plan alone."""
+"""What a run stores of each flight: recordings, raw columns, curves for the page. It follows from the whole plan alone."""
 
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice, zip_longest
@@ -11,26 +11,26 @@ from testbed.run.job import Job
 from testbed.run.world import World
 
 SERIES = 64
-"""Flights whose time series are kept for the page: first replicates in plan order, one of each part in turn."""
+"""Flights whose time series are stored for the page: first replicates in plan order, one of each part in turn."""
 
 
 def jobs(directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan], world: World) -> list[Job]:
     """One job a plan, in plan order."""
     parts = resolved_parts(campaign)
-    drawn = _drawn(campaign, plans)
-    with_series = _series_kept(campaign, plans, drawn)
+    pictured = _pictured(campaign, plans)
+    with_series = _series_stored(campaign, plans, pictured)
     recordings, columns = directory.recordings.resolve(), directory.columns.resolve()
     made = []
     for plan in plans:
         part = parts[_part(campaign, plan)]
-        recorded = plan.flight_id in drawn if drawn and part.recordings == "selected" else _is_kept(plan, part.recordings)
+        recorded = plan.flight_id in pictured if pictured and part.recordings == "selected" else _is_stored(plan, part.recordings)
         made.append(
             Job(
                 plan,
                 recordings / f"{plan.flight_id}.rrd" if recorded else None,
                 plan.flight_id in with_series,
                 campaign.check,
-                columns / f"{plan.flight_id}.parquet" if _is_kept(plan, part.columns) else None,
+                columns / f"{plan.flight_id}.parquet" if _is_stored(plan, part.columns) else None,
                 world,
             )
         )
@@ -42,19 +42,19 @@ def _part(campaign: Campaign, plan: FlightPlan) -> str:
     return plan.labels[PART] if campaign.parts else ""
 
 
-def _is_kept(plan: FlightPlan, kept: str | None) -> bool:
-    return kept == "all" or (kept == "selected" and plan.replicate == 0)
+def _is_stored(plan: FlightPlan, how: str | None) -> bool:
+    return how == "all" or (how == "selected" and plan.replicate == 0)
 
 
-def _drawn(campaign: Campaign, plans: Sequence[FlightPlan]) -> tuple[str, ...]:
-    """The flights in the pictures of the study: of these alone it keeps recordings, unless it is to keep all or none."""
+def _pictured(campaign: Campaign, plans: Sequence[FlightPlan]) -> tuple[str, ...]:
+    """The flights in the pictures of the study: of these alone it stores recordings, unless it is to store all or none."""
     study = campaign.study.made()
-    return tuple(plan.flight_id for plan in plans if study.draws(plan))
+    return tuple(plan.flight_id for plan in plans if study.pictures(plan))
 
 
-def _series_kept(campaign: Campaign, plans: Sequence[FlightPlan], drawn: Sequence[str]) -> set[str]:
-    """The flights that a study draws, and then fairly: no part goes without because one before it has many cells."""
-    return set(islice(chain(drawn, _in_turn(campaign, plans)), max(SERIES, len(drawn))))
+def _series_stored(campaign: Campaign, plans: Sequence[FlightPlan], pictured: Sequence[str]) -> set[str]:
+    """The flights that a study pictures, and then fairly: no part goes without because one before it has many cells."""
+    return set(islice(chain(pictured, _in_turn(campaign, plans)), max(SERIES, len(pictured))))
 
 
 def _in_turn(campaign: Campaign, plans: Sequence[FlightPlan]) -> Iterator[str]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from testbed.campaign.reading.source import KEPT_PLUGINS
+from testbed.campaign.reading.source import STORED_PLUGINS
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core import plugins
 from testbed.core.catalogue import AIRCRAFT_ROOT, add_aircraft_path, aircraft_folders
@@ -41,20 +41,20 @@ def world_of(campaign: Campaign, plans: Sequence[FlightPlan]) -> World:
     return World(plugins.texts((name, plugins.sha256_of(name)) for name in files), tuple(elsewhere))
 
 
-def keep(directory: RunDirectory, world: World) -> None:
+def store(directory: RunDirectory, world: World) -> None:
     """Write the plug-ins into the run directory, so that it can be read again whatever becomes of their files."""
-    folder = directory / KEPT_PLUGINS
+    folder = directory / STORED_PLUGINS
     if world.plugins:
         folder.mkdir(exist_ok=True)
     for plugin in world.plugins:
-        directory.put(f"{KEPT_PLUGINS}/{plugin.name}.py", plugin.source.encode())
+        directory.put(f"{STORED_PLUGINS}/{plugin.name}.py", plugin.source.encode())
 
 
-def kept(directory: RunDirectory, said: dict[str, str], aircraft_path: Sequence[str]) -> World:
+def stored_world(directory: RunDirectory, said: dict[str, str], aircraft_path: Sequence[str]) -> World:
     """The world of a run that is there. ``said``: plug-in to its hash, as the manifest has it. Raises ``BadInputError``."""
     found = []
     for name, sha256 in said.items():
-        file = directory / KEPT_PLUGINS / f"{name}.py"
+        file = directory / STORED_PLUGINS / f"{name}.py"
         try:
             plugin = plugins.read(file)
         except plugins.PluginError as problem:

@@ -187,7 +187,7 @@ def cells(rows: Sequence[Row], axes: Sequence[str]) -> list[dict[str, Any]]:
         grouped.setdefault(str(row["cell"]), []).append(row)
     lines = []
     for members in grouped.values():
-        first = members[0]  # the one whose series is kept, which says how the encounter is turned
+        first = members[0]  # the one whose series is stored, which says how the encounter is turned
         summary = {}
         for column in SUMMARISED:
             known = [x for x in (value(row, column.name) for row in members) if math.isfinite(x)]

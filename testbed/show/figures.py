@@ -1,4 +1,4 @@
-"""Which flights are drawn together, and how: the data behind the page's pictures. The drawing itself is templates/page.js."""
+"""Which flights are pictured together, and how: the data behind the page's pictures. The drawing itself is templates/page.js."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -87,8 +87,8 @@ def selection(rows: Sequence[Row], most: int) -> list[Row]:
     for members in cells.values():
         members.sort(key=lambda row: (math.isnan(value(row, "least_clearance_m")), value(row, "least_clearance_m")))
     ranked = [members[k] for k in range(max(map(len, cells.values()))) for members in cells.values() if k < len(members)]
-    kept = {row["flight_id"] for row in ranked[:most]}
-    return [row for row in rows if row["flight_id"] in kept]
+    shown = {row["flight_id"] for row in ranked[:most]}
+    return [row for row in rows if row["flight_id"] in shown]
 
 
 def styles(rows: Sequence[Row]) -> list[dict[str, Any]]:

@@ -13,14 +13,14 @@ from testbed.show.words import number
 
 FEWEST = 20  # flights in a cell below which a histogram says less than the numbers
 BINS, WIDTH, HEIGHT = 24, 320, 96
-SHOWN = ("cross_track_rms_m", "least_clearance_m")
+BINNED = ("cross_track_rms_m", "least_clearance_m")
 
 
 def histograms(cells: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """For each metric its pictures over one common range, which ends at the 99th percentile of all: what lies beyond is counted."""
     crowded = [cell for cell in cells if cell["n"] >= FEWEST]
     made = []
-    for key in SHOWN:
+    for key in BINNED:
         known = [np.array([x for x in (value(row, key) for row in cell["rows"]) if math.isfinite(x)]) for cell in crowded]
         if not any(len(values) for values in known):
             continue

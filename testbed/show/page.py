@@ -19,7 +19,7 @@ from testbed.show.campaign_summary import Row
 from testbed.show.figures import figure_data
 from testbed.show.flight_summary import level_turn, radius_m
 from testbed.show.histogram import histograms
-from testbed.show.shown_columns import DECISION_TERMS, PAIRED, SHOWN, SUMMARISED, text
+from testbed.show.shown_columns import DECISION_TERMS, PAIRED, SHOWN_COLUMNS, SUMMARISED, text
 from testbed.show.words import number
 
 MOST_FLIGHT_ROWS, MOST_DECISION_ROWS, MOST_CELL_ROWS = 300, 100, 300
@@ -62,7 +62,7 @@ def render_page(
             histograms=histograms(by_cell[:MOST_CELL_ROWS]),
             summarised=SUMMARISED,
             paired=PAIRED,
-            metrics=SHOWN,
+            metrics=SHOWN_COLUMNS,
             glossary=METRICS,
             flights=[_flight(row, listed_axes) for row in listed[:MOST_FLIGHT_ROWS]],
             flights_left_out=max(0, len(rows) - MOST_FLIGHT_ROWS),
@@ -97,7 +97,7 @@ def _flight(row: Row, axes: Sequence[str]) -> dict[str, Any]:
         "replicate": row["replicate"],
         "flyer": campaign_summary.flyer(row),
         "method": words.method(str(row["method"])),
-        "cells": [{"text": text(column, row), "sort": _sortable(value(row, column.name))} for column in SHOWN],
+        "cells": [{"text": text(column, row), "sort": _sortable(value(row, column.name))} for column in SHOWN_COLUMNS],
         "collided": collided(row),
         "message": row["message"],
         "recording": row["recording"],

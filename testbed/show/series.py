@@ -1,4 +1,4 @@
-"""The part of a flight that the page draws: few samples, the extreme ones among them, rounded so that its bytes are stable."""
+"""The part of a flight that the page pictures: few samples, the extreme ones among them, rounded so that its bytes are stable."""
 
 import hashlib
 import json
@@ -91,15 +91,15 @@ def _chosen_rows(record: FlightRecord, clearance: Array, roll_rate: Array) -> Ar
     n = len(record.columns["time_s"])
     if n <= MOST_SAMPLES:
         return np.arange(n)
-    kept = {0, n - 1}
+    chosen = {0, n - 1}
     curves = [record.columns[column] for _, column, _, _ in CURVES]
     curves += [record.columns[f"obstacle.{spec.name}.clearance_m"] for spec in record.plan.obstacles[:MOST_EVENTS]]
     for curve in (clearance, roll_rate, *curves):
         if np.isfinite(curve).any():
-            kept |= {int(np.nanargmin(curve)), int(np.nanargmax(curve))}
-    kept |= {int(np.argmin(np.abs(record.columns["time_s"] - event.time_s))) for event in record.events[:MOST_EVENTS]}
-    even = np.linspace(0, n - 1, MOST_SAMPLES - len(kept)).round().astype(int)
-    return np.union1d(even, sorted(kept))
+            chosen |= {int(np.nanargmin(curve)), int(np.nanargmax(curve))}
+    chosen |= {int(np.argmin(np.abs(record.columns["time_s"] - event.time_s))) for event in record.events[:MOST_EVENTS]}
+    even = np.linspace(0, n - 1, MOST_SAMPLES - len(chosen)).round().astype(int)
+    return np.union1d(even, sorted(chosen))
 
 
 def _path(path: PlannedPath) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from testbed.results.columns import BY_NAME, Column
 from testbed.results.flight_row import value
 from testbed.show.words import number
 
-SHOWN = tuple(
+SHOWN_COLUMNS = tuple(
     BY_NAME[name]
     for name in (
         "least_clearance_m time_at_least_clearance_s deflection_deg path_length_m flight_time_s cross_track_rms_m cross_track_max_m "

@@ -13,10 +13,10 @@ from testbed.results.columns import read_aloud
 
 DASH: Final = "\N{EN DASH}"
 MINUS: Final = "\N{MINUS SIGN}"
-DIGITS: Final = {"m": 1, "deg": 1, "s": 2, "deg/s": 0, "%": 0, "ms": 1, "g": 1}
+UNIT_DIGITS: Final = {"m": 1, "deg": 1, "s": 2, "deg/s": 0, "%": 0, "ms": 1, "g": 1}
 """Decimals of a quantity by its unit; 2 of any other."""
 
-OUTCOMES: Final = {
+OUTCOME_NAMES: Final = {
     Outcome.REACHED: ("reached the goal", ""),
     Outcome.COLLIDED: ("collided", "came closer than the obstacle's radius"),
     Outcome.TIMED_OUT: ("timed out", ""),
@@ -29,15 +29,15 @@ OUTCOMES: Final = {
 }
 """What a flight did, in the order of telling, and what that means where it is not plain."""
 
-METHODS: Final = {
+METHOD_NAMES: Final = {
     "none": "no avoidance",
     "scoam": "SCOAM",
     "droam_hp": "DROAM/HP",
     "droam_vp": "DROAM/VP",
     "orca": "ORCA",
 }
-FLYERS: Final = {"kinematic": "kinematic point", "point_mass": "{} as a point mass", "jsbsim": "{} flown in JSBSim"}
-AXES: Final = {
+FLYER_NAMES: Final = {"kinematic": "kinematic point", "point_mass": "{} as a point mass", "jsbsim": "{} flown in JSBSim"}
+AXIS_NAMES: Final = {
     "flown_by": "flown by {}",
     "wind_mps": "wind {} m/s",
     "wind_from": "wind from {}",
@@ -78,7 +78,7 @@ def amount(value: float, unit: str, digits: int | None = None) -> str:
     """A quantity with the decimals of its unit; a ``share`` as per cent."""
     if unit == "share":
         return percent(value)
-    return number(value, DIGITS.get(unit, 2) if digits is None else digits, unit)
+    return number(value, UNIT_DIGITS.get(unit, 2) if digits is None else digits, unit)
 
 
 def interval(low: float, high: float, unit: str, digits: int | None = None) -> str:
@@ -123,18 +123,18 @@ def named(names: Mapping[str, str], key: str) -> str:
 
 def method(name: str) -> str:
     """An avoidance method."""
-    return named(METHODS, name)
+    return named(METHOD_NAMES, name)
 
 
 def flyer(plant: str, aircraft: str) -> str:
     """Who flew: the point, or the aircraft and the physics it flew in."""
-    return FLYERS.get(plant, f"{{}} ({plant})").format(aircraft)
+    return FLYER_NAMES.get(plant, f"{{}} ({plant})").format(aircraft)
 
 
 def circumstance(axis: str, label: str) -> str:
     """A label of a flight; one that says something by itself needs no axis."""
-    if axis in AXES:
-        return AXES[axis].format(label)
+    if axis in AXIS_NAMES:
+        return AXIS_NAMES[axis].format(label)
     if axis in ("method", "method.kind"):
         return method(label)
     return f"{axis} {label}" if _BARE.fullmatch(label) else label
@@ -142,15 +142,15 @@ def circumstance(axis: str, label: str) -> str:
 
 def outcome(name: str) -> str:
     """What a flight did, briefly."""
-    return OUTCOMES[Outcome(name)][0] if name in OUTCOMES else read_aloud(name)
+    return OUTCOME_NAMES[Outcome(name)][0] if name in OUTCOME_NAMES else read_aloud(name)
 
 
 def outcome_told(name: str) -> str:
     """What a flight did, and what that means."""
-    return ": ".join(filter(None, OUTCOMES[Outcome(name)]))
+    return ": ".join(filter(None, OUTCOME_NAMES[Outcome(name)]))
 
 
 def outcomes(count: Mapping[str, int]) -> str:
     """``7 reached the goal, 5 collided``."""
-    known = [one.value for one in OUTCOMES if one in count]
+    known = [one.value for one in OUTCOME_NAMES if one in count]
     return ", ".join(f"{count[name]} {outcome(name)}" for name in [*known, *sorted(set(count) - set(known))])

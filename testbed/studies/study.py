@@ -8,7 +8,7 @@
         def write(self, run: Run) -> Written: ...
 
 A study is a class; what its ``__init__`` takes (or its model ``Options``) are the options that a campaign may give it. Whatever it does
-not say is as it is without a study. ``testbed.run`` flies, keeps and writes for all of them alike.
+not say is as it is without a study. ``testbed.run`` flies, stores and writes for all of them alike.
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,7 +32,7 @@ class Run:
     rows: Sequence[Row]
     timings: Sequence[Mapping[str, float]]
     series: Mapping[str, dict[str, Any]]
-    """Flight to the curves of it that were kept."""
+    """Flight to the curves of it that were stored."""
     provenance: Mapping[str, Any]
     """What the page is told of the run's origin."""
 
@@ -67,8 +67,8 @@ class Study:
         """
         return None
 
-    def draws(self, plan: "FlightPlan") -> bool:  # noqa: ARG002
-        """Whether the flight is in its pictures: such flights have their curves kept first, and `recordings: selected` means them."""
+    def pictures(self, plan: "FlightPlan") -> bool:  # noqa: ARG002
+        """Whether the flight is in its pictures: such flights have their curves stored first, and `recordings: selected` means them."""
         return False
 
     def fly(self, plan: "FlightPlan") -> tuple[str, dict[str, Any]]:

@@ -73,7 +73,7 @@ def test_csv_and_parquet_can_be_joined_on_every_axis(run):
     assert len(run.results.merge(from_csv, on=axes)) == len(run.plans) == 8
 
 
-def test_series_are_those_that_were_kept(run):
+def test_series_are_those_that_were_stored(run):
     series = run.series()
     assert list(dict.fromkeys(series["flight_id"])) == [plan.flight_id for plan in run.plans]
     one = series[series["flight_id"] == run.plans[0].flight_id]

@@ -119,11 +119,11 @@ def test_it_flies_on_a_cluster_of_separate_processes(study: Path, cluster: tuple
 
 def test_a_run_whose_plug_in_was_tampered_with_is_refused(study: Path) -> None:
     fly(study, LocalEngine(1))
-    kept = study / "out" / "plugins" / "tangent.py"
-    kept.write_text(TANGENT + "# more\n")
+    stored = study / "out" / "plugins" / "tangent.py"
+    stored.write_text(TANGENT + "# more\n")
     with pytest.raises(BadInputError, match="changed since the run"):
         runner.report(study / "out")
-    kept.unlink()
+    stored.unlink()
     with pytest.raises(BadInputError, match="the plug-in of this run is gone"):
         runner.report(study / "out")
 
@@ -154,7 +154,7 @@ def test_what_is_wrong_with_it_is_told_at_its_line(study: Path, file: str, text:
     assert "Traceback" not in done.stderr
 
 
-def test_two_texts_of_one_name_are_kept_apart(tmp_path: Path) -> None:
+def test_two_texts_of_one_name_are_held_apart(tmp_path: Path) -> None:
     """A plan is pinned to the text it was made with, whatever was loaded after it."""
     hashes = []
     for number in (1, 2):

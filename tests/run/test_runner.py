@@ -53,15 +53,15 @@ def test_a_finished_run_is_only_reported_again(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
-def test_an_interrupted_run_is_continued_without_flying_a_kept_flight_again(tmp_path, workers):
+def test_an_interrupted_run_is_continued_without_flying_a_stored_flight_again(tmp_path, workers):
     whole = fly(tmp_path, out=tmp_path / "whole").directory
     with pytest.raises(KeyboardInterrupt):
         fly(tmp_path, progress=stop_after(3), workers=workers, job=fakes.fly_slowly)
-    kept = (tmp_path / "out" / "rows.jsonl").read_bytes()
-    assert kept.count(b"\n") == 3
+    stored = (tmp_path / "out" / "rows.jsonl").read_bytes()
+    assert stored.count(b"\n") == 3
     summary = fly(tmp_path, workers=workers)
     assert summary.flown_now == 5
-    assert (tmp_path / "out" / "rows.jsonl").read_bytes().startswith(kept)
+    assert (tmp_path / "out" / "rows.jsonl").read_bytes().startswith(stored)
     for name in STABLE:
         assert (summary.directory / name).read_bytes() == (whole / name).read_bytes(), name
     legs = json.loads((tmp_path / "out" / "manifest.json").read_text())["history"]
@@ -183,7 +183,7 @@ def test_a_system_that_cannot_sync_a_folder_still_writes_its_files(tmp_path, mon
 
 @pytest.mark.parametrize("name", ["manifest.json", "plan.json"])
 @pytest.mark.parametrize("damage", [b"{", b"[]", b"\xff\xfe", b'{"identity": 3}'])
-def test_damaged_files_are_named_and_kept(tmp_path, name, damage):
+def test_damaged_files_are_named_and_stored(tmp_path, name, damage):
     fly(tmp_path)
     (tmp_path / "out" / name).write_bytes(damage)
     with pytest.raises(BadInputError, match=name.replace(".", r"\.")):

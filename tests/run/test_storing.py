@@ -1,4 +1,4 @@
-"""What a run keeps of each flight."""
+"""What a run stores of each flight."""
 
 import csv
 import json
@@ -12,20 +12,20 @@ from tests.run.little import CAMPAIGN, contents, fly, little_campaign, stop_afte
 __all__ = ["little_campaign"]  # every test here has it
 
 
-@pytest.mark.parametrize(("kept", "count"), [("all", 8), ("selected", 2), ("none", 0)])
-def test_recordings_are_kept_as_asked(tmp_path, kept, count):
-    directory = fly(tmp_path, overrides=(f"recordings={kept}",)).directory
+@pytest.mark.parametrize(("how", "count"), [("all", 8), ("selected", 2), ("none", 0)])
+def test_recordings_are_stored_as_asked(tmp_path, how, count):
+    directory = fly(tmp_path, overrides=(f"recordings={how}",)).directory
     rows = [json.loads(line)["row"] for line in (directory / "rows.jsonl").read_text().splitlines()]
     named = {row["recording"] for row in rows if row["recording"]}
     assert named == {f"recordings/{path.name}" for path in (directory / "recordings").glob("*")}
     assert len(named) == count
-    if kept == "selected":
+    if how == "selected":
         assert {row["replicate"] for row in rows if row["recording"]} == {0}
 
 
-@pytest.mark.parametrize(("kept", "replicates"), [("all", {0, 1, 2, 3}), ("selected", {0}), ("none", set())])
-def test_raw_columns_are_kept_as_asked_and_cleared_with_the_run(tmp_path, kept, replicates):
-    directory = fly(tmp_path, overrides=(f"columns={kept}",)).directory
+@pytest.mark.parametrize(("how", "replicates"), [("all", {0, 1, 2, 3}), ("selected", {0}), ("none", set())])
+def test_raw_columns_are_stored_as_asked_and_cleared_with_the_run(tmp_path, how, replicates):
+    directory = fly(tmp_path, overrides=(f"columns={how}",)).directory
     flights = json.loads((directory / "plan.json").read_text())["flights"]
     expected = {f"{flight['flight_id']}.parquet" for flight in flights if flight["replicate"] in replicates}
     assert {path.name for path in (directory / "columns").glob("*")} == expected
@@ -33,7 +33,7 @@ def test_raw_columns_are_kept_as_asked_and_cleared_with_the_run(tmp_path, kept, 
     assert not list((directory / "columns").glob("*"))
 
 
-def test_series_are_kept_for_the_first_cells_only_however_the_run_is_cut(tmp_path, monkeypatch):
+def test_series_are_stored_for_the_first_cells_only_however_the_run_is_cut(tmp_path, monkeypatch):
     monkeypatch.setattr(storing, "SERIES", 1)
     with pytest.raises(KeyboardInterrupt):
         fly(tmp_path, progress=stop_after(6))
@@ -50,7 +50,7 @@ parts:
 """
 
 
-def test_each_part_is_recorded_and_drawn_in_its_own_right(tmp_path, monkeypatch):
+def test_each_part_is_recorded_and_pictured_in_its_own_right(tmp_path, monkeypatch):
     """Ten flights have a first replicate, six of them in the first part; four series are one of each part, then one more."""
     monkeypatch.setattr(storing, "SERIES", 4)
     (tmp_path / "little.yaml").write_text(CAMPAIGN.partition("sweep:")[0] + PARTS)
@@ -62,10 +62,10 @@ def test_each_part_is_recorded_and_drawn_in_its_own_right(tmp_path, monkeypatch)
         *[("few", "", method) for method in ("none", "scoam") for _ in range(4)],
         *[("one", "", "")] * 3,
     ]
-    kept = {row["flight_id"]: (row["cell"], row["replicate"]) for row in rows}
+    there = {row["flight_id"]: (row["cell"], row["replicate"]) for row in rows}
     series = json.loads((directory / "index.html").read_text())[2]
-    assert {kept[flight_id] for flight_id in series} == {("many/1", "0"), ("many/2", "0"), ("few/none", "0"), ("one", "0")}
-    recorded = [kept[path.stem] for path in (directory / "recordings").glob("*")]
+    assert {there[flight_id] for flight_id in series} == {("many/1", "0"), ("many/2", "0"), ("few/none", "0"), ("one", "0")}
+    recorded = [there[path.stem] for path in (directory / "recordings").glob("*")]
     assert sorted(recorded) == sorted([*[(f"many/{k}", r) for k in range(1, 7) for r in "01"], ("few/none", "0"), ("few/scoam", "0")])
     before = contents(directory)
     runner.report(directory)

@@ -44,8 +44,8 @@ def test_verdict_and_page_are_the_same_bytes_with_one_and_two_workers_and_verify
     assert words["words.single.safe"] == "fails when flown"
     assert words["words.multi.safe"] == "fails kinematically"
     assert words["words.superior"] == "not determined"  # no population
-    kept = sorted(path.stem for path in (tmp_path / "1" / "recordings").glob("*.rrd"))
-    assert len(kept) == 3  # the flights of the pictures
+    stored = sorted(path.stem for path in (tmp_path / "1" / "recordings").glob("*.rrd"))
+    assert len(stored) == 3  # the flights of the pictures
     page = (tmp_path / "1" / "index.html").read_text()
     assert page.index('id="verdict"') < page.index("<details")
     done = subprocess.run(

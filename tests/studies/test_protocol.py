@@ -36,7 +36,7 @@ class Tally(Study):
     def unfit(self, settings):
         return None if settings.get("obstacles") else "needs an obstacle"
 
-    def draws(self, plan):
+    def pictures(self, plan):
         return plan.labels["method"] == "scoam" and plan.replicate == 1
 
     def write(self, run: Run) -> Written:
@@ -90,7 +90,7 @@ def test_a_third_study_is_flown_kept_and_written_like_the_others(tmp_path: Path)
     assert 'href="#tally"' in page
     rows = [json.loads(line) for line in (out / "rows.jsonl").read_text().splitlines()]
     recorded = {(line["row"]["method"], line["row"]["replicate"]) for line in rows if line["row"]["recording"]}
-    assert recorded == {("scoam", 1)}  # the flight that it draws, and `recordings: selected` means no other
+    assert recorded == {("scoam", 1)}  # the flight that it pictures, and `recordings: selected` means no other
     assert len(list((out / "recordings").iterdir())) == 1
     before = {file.name: file.read_bytes() for file in out.iterdir() if file.is_file()}
     runner.report(out)

@@ -15,7 +15,7 @@ from testbed.campaign.reading.expand import plans_of_cells, suspects
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import Problem, SpecError
 from testbed.campaign.words.grid import Draw, Part
-from testbed.campaign.words.population import NAME, Encounters, NoEncounterError
+from testbed.campaign.words.population import OBSTACLE_NAME, Encounters, NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings
 
 
@@ -81,7 +81,7 @@ def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part) -> list[
             for problem in _of_draws(part.draw, block, document, plan):
                 found.setdefault(problem.path, problem)
         elif part.encounters and any(fault.message.startswith("obstacle names must differ") for fault in plan):
-            return [Problem(*block.key("encounters"), f"draw the obstacle '{NAME}', and obstacles has one of that name")]
+            return [Problem(*block.key("encounters"), f"draw the obstacle '{OBSTACLE_NAME}', and obstacles has one of that name")]
         else:
             found = {fault: document.problem(fault, suspects(block, cell)) for fault in plan if fault not in problems}
         for key, one in found.items():

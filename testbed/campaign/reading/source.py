@@ -14,8 +14,8 @@ from testbed.campaign.reading.vocabulary import path_fault
 from testbed.campaign.words.settings import Campaign
 from testbed.core import plugins
 
-KEPT_PLUGINS = "plugins"
-"""Folder of a run directory in which the campaign's plug-ins are kept."""
+STORED_PLUGINS = "plugins"
+"""Folder of a run directory in which the campaign's plug-ins are stored."""
 
 GRIDS = ("sweep", "skip", "draw", "encounters", "parts")
 DOTTED = ("sweep", "set", "draw")
@@ -77,10 +77,10 @@ def _plug_in(document: Document, folder: Path) -> list[Problem]:
 
 
 def _found(folder: Path, name: str) -> Path:
-    """A plug-in's file beside the campaign; or, for the copy of a campaign in a run directory, where a run keeps it."""
+    """A plug-in's file beside the campaign; or, for the copy of a campaign in a run directory, where a run stores it."""
     file = folder / name
-    kept = folder / KEPT_PLUGINS / file.name
-    return kept if kept.is_file() and not file.is_file() else file
+    stored = folder / STORED_PLUGINS / file.name
+    return stored if stored.is_file() and not file.is_file() else file
 
 
 def _read_overrides(overrides: Sequence[str]) -> tuple[list[Assignment], list[Problem]]:

@@ -70,14 +70,14 @@ def untagged(loc: Loc, root: type[BaseModel] = Campaign) -> tuple[Loc, Any]:
     """Pydantic's location without the tags that it inserts for tagged unions, and the type of what holds the last key."""
     kind: Any = root
     holder: Any = None
-    kept: list[str | int] = []
+    known: list[str | int] = []
     for part in loc:
         if len(sections(kind)) > 1:
             kind = _tagged(kind, part)
             continue
         holder, kind = kind, below(kind, part)
-        kept.append(part)
-    return tuple(kept), holder
+        known.append(part)
+    return tuple(known), holder
 
 
 def path_fault(path: str, root: type[FlightSettings]) -> tuple[str, str] | None:

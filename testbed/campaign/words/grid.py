@@ -22,7 +22,7 @@ Skip = dict[str, Label | tuple[Label, ...]]
 """Axis to a label of it, or to several."""
 
 Replicates = Annotated[Whole, Field(ge=1, le=100_000)]
-Kept = Literal["all", "none", "selected"]
+Stored = Literal["all", "none", "selected"]
 
 
 def _amount(value: object) -> object:
@@ -93,7 +93,7 @@ class Part(Grid):
     """Settings of this part: dotted paths and their values."""
     replicates: Replicates | None = None
     """Flights per cell; empty: as the campaign says."""
-    recordings: Kept | None = None
+    recordings: Stored | None = None
     """Which flights leave a .rrd recording; empty: as the campaign says."""
-    columns: Kept | None = None
+    columns: Stored | None = None
     """Which flights leave their raw columns; empty: as the campaign says."""

@@ -11,7 +11,7 @@ from testbed.core.frames import direction_deg, unit_from_direction, vec3
 from testbed.core.section import Direction, NonNegative, Point, Positive, Section
 from testbed.core.seeds import stream
 
-NAME = "O"
+OBSTACLE_NAME = "O"
 """Of the obstacle that is drawn."""
 MOST_DRAWS = 20_000
 
@@ -126,7 +126,7 @@ class Encounters(Section):
 
     def _obstacle(self, radius_m: float, position: Point, speed_mps: float, direction: Direction) -> dict[str, Any]:
         return {
-            "name": NAME,
+            "name": OBSTACLE_NAME,
             "radius_m": float(radius_m),
             "position_enu_m": position,
             "speed_mps": float(speed_mps),

@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from testbed.campaign.words.air import Air
 from testbed.campaign.words.check import Check
-from testbed.campaign.words.grid import Grid, Kept, Part, Replicates
+from testbed.campaign.words.grid import Grid, Part, Replicates, Stored
 from testbed.campaign.words.planning import MethodSpec, PlannerSpec, Replan, Sensor
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Route
@@ -229,9 +229,9 @@ class Campaign(Grid, FlightSettings):
     """Root of every random stream. Method, plant and aircraft never change what is drawn."""
     replicates: Replicates = 1
     """Flights per cell of the sweep, each with its own random streams."""
-    recordings: Kept = "selected"
+    recordings: Stored = "selected"
     """Which flights leave a .rrd recording; selected: the first replicate of each cell."""
-    columns: Kept = "none"
+    columns: Stored = "none"
     """Which flights leave their raw columns, from which reports/verify computes the results again."""
     check: Check | None = None
     """For a campaign that checks the testbed: how it is judged."""

@@ -9,7 +9,7 @@ from pydantic import model_validator
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.core import plugins, registry
 
-NONE = "none"
+NO_STUDY = "none"
 
 
 class LabelKind(Enum):
@@ -41,7 +41,7 @@ class StudySpec(Pluggable):
 
     family = "study"
 
-    kind: str = NONE
+    kind: str = NO_STUDY
     """none: the page shows what was flown. Another one writes files and a page, or the top of it, of its own; docs/ has a page of each."""
 
     @model_validator(mode="before")
@@ -68,7 +68,7 @@ class StudySpec(Pluggable):
 
     def unfit(self, settings: Mapping[str, Any]) -> str | None:
         """Why flights with these settings are nothing for the study; None if they are. Settings that are faulty themselves are absent."""
-        if self.kind == NONE:
+        if self.kind == NO_STUDY:
             return None
         why = self.made().unfit(settings)
         return f"the study '{self.kind}' {why}" if why else None

@@ -14,7 +14,7 @@ from vosc.methods import Avoidance
 from vosc.vec import add, along, sub
 
 NAN = math.nan
-NOWHERE: Vec3 = (NAN, NAN, NAN)
+NO_POINT: Vec3 = (NAN, NAN, NAN)
 
 
 class Sighting(NamedTuple):
@@ -78,10 +78,10 @@ def make_event(
         cap_azimuth_rad=g.azimuth_rad if g else NAN,
         cap_elevation_rad=g.elevation_rad if g else NAN,
         cap_half_angle_rad=g.half_angle_rad if g else NAN,
-        command_enu_mps=add(vec3(commanded.velocity_mps), wind) if commanded else NOWHERE,
+        command_enu_mps=add(vec3(commanded.velocity_mps), wind) if commanded else NO_POINT,
         deflection_rad=commanded.deflection_rad if commanded else NAN,
         margin_rad=answer.margin_rad if answer else NAN,
-        insertion_enu_m=carried(insertion, wind) if insertion else NOWHERE,
+        insertion_enu_m=carried(insertion, wind) if insertion else NO_POINT,
         insertion_time_s=insertion.time_s if insertion else NAN,
         max_curvature_to_insertion_1pm=there,
         max_curvature_to_goal_1pm=on,

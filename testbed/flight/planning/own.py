@@ -16,7 +16,7 @@ import numpy as np
 from testbed.core.chain import FEW, Chain
 from testbed.core.frames import Vec3, vec3
 from testbed.flight.planning.context import Context, Planner, Step
-from testbed.flight.planning.decision import NAN, NOWHERE, Sighting, make_event
+from testbed.flight.planning.decision import NAN, NO_POINT, Sighting, make_event
 from testbed.flight.planning.rejoin import joined, miss_along
 from testbed.flight.plants.base import State
 from testbed.flight.record import Decision, ReplanEvent
@@ -113,8 +113,8 @@ def _unprompted(time_s: float, kind: str, state: State, path: ActivePath, wind: 
         status=Decision.PLANNED,
         own_pos_enu_m=(state.x, state.y, state.z),
         own_vel_enu_mps=(state.vx, state.vy, state.vz),
-        obstacle_pos_enu_m=NOWHERE,
-        obstacle_vel_enu_mps=NOWHERE,
+        obstacle_pos_enu_m=NO_POINT,
+        obstacle_vel_enu_mps=NO_POINT,
         radius_m=NAN,
         alpha_rad=NAN,
         alpha0_rad=NAN,
@@ -125,10 +125,10 @@ def _unprompted(time_s: float, kind: str, state: State, path: ActivePath, wind: 
         cap_azimuth_rad=NAN,
         cap_elevation_rad=NAN,
         cap_half_angle_rad=NAN,
-        command_enu_mps=NOWHERE,
+        command_enu_mps=NO_POINT,
         deflection_rad=NAN,
         margin_rad=NAN,
-        insertion_enu_m=NOWHERE,
+        insertion_enu_m=NO_POINT,
         insertion_time_s=NAN,
         max_curvature_to_insertion_1pm=NAN,
         max_curvature_to_goal_1pm=max(curve.max_curvature() for curve in path.curves),

@@ -25,7 +25,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 PROPERTIES = ("property", "p", "independentVar")
-WORDS = ("description", "documentation")  # what may stand in a function beside its body
+BESIDE_BODY = ("description", "documentation")  # what may stand in a function beside its body
 ALPHA = "aero/alpha-rad"
 SCALES = ("aero/bi2vel", "aero/ci2vel")  # make a rate dimensionless
 AERO_RATES = tuple(f"velocities/{axis}-aero-rad_sec" for axis in "pqr")
@@ -192,7 +192,7 @@ def _quantities(element: Element, functions: Mapping[str, Element]) -> set[str]:
 
 
 def _body(function: Element) -> Element | None:
-    return next((child for child in function if child.tag not in WORDS), None)
+    return next((child for child in function if child.tag not in BESIDE_BODY), None)
 
 
 def _name(element: Element) -> str:

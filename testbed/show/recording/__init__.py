@@ -17,7 +17,7 @@ from testbed.show.recording import layout, scene, signals, timeline, velocity
 from testbed.show.velocity_space import look
 
 APPLICATION = "vosc_testbed"
-SIGHT_HZ = 30.0  # how often velocity space is drawn
+SIGHT_HZ = 30.0  # how often velocity space is pictured
 
 
 def write_recording(record: FlightRecord, metrics: FlightMetrics, path: Path) -> None:

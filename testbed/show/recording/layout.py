@@ -33,7 +33,7 @@ def blueprint(record: FlightRecord) -> rrb.Blueprint:
     )
     return rrb.Blueprint(
         rrb.Horizontal(left, right, column_shares=[10, 9]),
-        rrb.TimePanel(timeline=timeline.NAME, state="collapsed", play_state="paused"),
+        rrb.TimePanel(timeline=timeline.TIMELINE, state="collapsed", play_state="paused"),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
         auto_views=False,
@@ -44,7 +44,7 @@ def blueprint(record: FlightRecord) -> rrb.Blueprint:
 def _trail() -> rrb.VisibleTimeRanges:
     """The trail up to now, not to the end."""
     everything = rrb.VisibleTimeRange(
-        timeline.NAME, start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.cursor_relative(seconds=0.0)
+        timeline.TIMELINE, start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.cursor_relative(seconds=0.0)
     )
     return rrb.VisibleTimeRanges([everything])
 

@@ -13,7 +13,7 @@ from testbed.show.palette import rgba
 from testbed.show.recording import timeline
 from testbed.show.words import number
 
-SYMBOL_SHARE = 0.04  # the aeroplane is drawn larger than life: this share of the route's size, or it could not be seen
+SYMBOL_SHARE = 0.04  # the aeroplane is pictured larger than life: this share of the route's size, or it could not be seen
 SCENE_HZ, TRAIL_HZ = 60.0, 20.0
 ARROW_S = 0.5  # a velocity arrow ends where the thing will be after this time
 
@@ -33,15 +33,15 @@ def log_route(stream: rr.RecordingStream, record: FlightRecord) -> None:
     )
     for count, path in enumerate(record.paths):
         colours = [rgba(palette.LEG[leg], 0.9) for leg in piece_names(record, count)]
-        drawn = rr.LineStrips3D(path_points(path), colors=colours, radii=rr.Radius.ui_points(1.5))
+        lines = rr.LineStrips3D(path_points(path), colors=colours, radii=rr.Radius.ui_points(1.5))
         if count == 0:
-            stream.log("world/plan/route", drawn, static=True)
+            stream.log("world/plan/route", lines, static=True)
         else:
-            stream.set_time(timeline.NAME, duration=path.from_time_s)
-            stream.log(f"world/plan/replanned_{count}", drawn)
+            stream.set_time(timeline.TIMELINE, duration=path.from_time_s)
+            stream.log(f"world/plan/replanned_{count}", lines)
     for count, event in enumerate(record.events, start=1):
         if all(math.isfinite(x) for x in event.insertion_enu_m):
-            stream.set_time(timeline.NAME, duration=event.time_s)
+            stream.set_time(timeline.TIMELINE, duration=event.time_s)
             point = rr.Points3D(
                 [event.insertion_enu_m], labels="insertion point", colors=rgba(palette.COMMAND), radii=rr.Radius.ui_points(6)
             )
@@ -108,7 +108,7 @@ def _log_closest(stream: rr.RecordingStream, record: FlightRecord, metrics: Flig
         np.array([np.interp(at_s, time_s, record.columns[column][:, k]) for k in range(3)])
         for column in ("own.pos_enu_m", f"obstacle.{name}.pos_enu_m")
     ]
-    stream.set_time(timeline.NAME, duration=at_s)
+    stream.set_time(timeline.TIMELINE, duration=at_s)
     line = rr.LineStrips3D(
         [ends],
         labels=f"least clearance {number(metrics.least_clearance_m, 1)} m",

@@ -11,7 +11,7 @@ from testbed.studies.lead_time.lead_distributions import Cost, Estimate, bootstr
 from testbed.studies.lead_time.line import Line
 
 RAILS = {"direct": "vo_instant", "insertion_point": "kinematic"}
-STEPS = (  # what is compared, the rung with it, the rung without it
+COMPARED_RUNGS = (  # what is compared, the rung with it, the rung without it
     ("guidance: no rails", "point_ideal", "rails"),
     ("roll, alone", "point_roll", "point_ideal"),
     ("load factor, alone", "point_load", "point_ideal"),
@@ -116,7 +116,7 @@ def limits(by_who: dict[Who, list[Line]]) -> list[Priced]:
     found = []
     for base in bases:
         rails = base._replace(rung=RAILS[base.answer], aircraft="")
-        for what, with_it, without in STEPS:
+        for what, with_it, without in COMPARED_RUNGS:
             keys = [rails if rung == "rails" else base._replace(rung=rung) for rung in (with_it, without)]
             if all(key in by_who for key in keys):
                 found.append(priced(what, by_who[keys[0]], by_who[keys[1]]))

@@ -15,7 +15,7 @@ Array = np.ndarray
 CONFIDENCE = 0.95
 RESAMPLES = 400
 NEWTON_STEPS = 60
-SHOWN = 0.99  # a share is shown to be this large when its one-sided lower bound is
+SHARE_SHOWN = 0.99  # a share is shown to be this large when its one-sided lower bound is
 
 
 class Estimate(NamedTuple):
@@ -44,7 +44,7 @@ def quantile(values: Sequence[float], share: float) -> Estimate:
 
 def shown_from(leads_s: Sequence[float], kept: Array) -> float:
     """The least lead of the grid at which, and at every longer one, 99 % is shown; infinite for none. ``kept`` (n, leads), 0 or 1."""
-    bounds = [share_at_least(int(column.sum()), len(column)) >= SHOWN for column in kept.T]
+    bounds = [share_at_least(int(column.sum()), len(column)) >= SHARE_SHOWN for column in kept.T]
     return next((lead for k, lead in enumerate(leads_s) if all(bounds[k:])), math.inf)
 
 

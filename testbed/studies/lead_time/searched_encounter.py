@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbed.campaign.words.population import MOST_DRAWS, NAME, draws, perpendicular
+from testbed.campaign.words.population import MOST_DRAWS, OBSTACLE_NAME, draws, perpendicular
 from testbed.campaign.words.settings import FlightPlan, ObstacleSpec, When
 from testbed.campaign.words.study import StudySpec
 from testbed.core.frames import direction_deg, unit_from_direction, vec3
@@ -64,7 +64,7 @@ def at_lead(plan: FlightPlan, encounter: Encounter, lead_s: float) -> FlightPlan
     along = np.array(unit_from_direction(*plan.route.start_direction_deg))
     own = np.array(plan.route.start_enu_m) + ((plan.begin.at_route_s_m or 0.0) + plan.speed_mps * at_s) * along
     obstacle = ObstacleSpec(
-        name=NAME,
+        name=OBSTACLE_NAME,
         radius_m=encounter.radius_m,
         position_enu_m=vec3(own - encounter.miss_m),
         speed_mps=float(np.linalg.norm(encounter.obstacle_vel_mps)),

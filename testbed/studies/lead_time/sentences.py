@@ -8,23 +8,23 @@ from testbed.studies.lead_time.compare import Priced, Shares, Who, limits, summa
 from testbed.studies.lead_time.line import Line
 
 Groups = Mapping[Who, Sequence[Line]]
-RUNGS = {
+RUNG_NAMES = {
     "vo_instant": "point on rails",
     "kinematic": "point on rails",
     "point_mass": "point mass",
     "jsbsim": "six degrees of freedom",
 }
-ANSWERS = {"insertion_point": "through the insertion point", "direct": "direction at once"}
+ANSWER_NAMES = {"insertion_point": "through the insertion point", "direct": "direction at once"}
 
 
 def rung(key: Who) -> str:
     """Which plant flies."""
-    return named(RUNGS, key.rung)
+    return named(RUNG_NAMES, key.rung)
 
 
 def answer(name: str) -> str:
     """How the direction is applied."""
-    return ANSWERS[name]
+    return ANSWER_NAMES[name]
 
 
 def sentences(by_who: Groups, calm: Groups, plain: Groups, turbulent: Mapping[Who, Shares]) -> list[str]:
@@ -42,7 +42,7 @@ def _existence(plain: Groups) -> list[str]:
     swells = sorted({key.swell_m for key in plain if key.aircraft})
     for swell in dict.fromkeys([*swells[:1], *swells[-1:]]):
         parts = []
-        for answered, words in ANSWERS.items():
+        for answered, words in ANSWER_NAMES.items():
             rails = [key for key in plain if not key.aircraft and key.answer == answered and key.swell_m == swell and key.method == "scoam"]
             for key in [*rails, *_flown(plain, answered, swell)]:
                 of = summary(plain[key])
@@ -71,7 +71,7 @@ def _oncoming(plain: Groups) -> list[str]:
 def _leads(plain: Groups) -> list[str]:
     most = max((key.swell_m for key in plain if key.aircraft), default=0.0)
     said = []
-    for key in (key for answered in ANSWERS for key in _flown(plain, answered, most)):
+    for key in (key for answered in ANSWER_NAMES for key in _flown(plain, answered, most)):
         of = summary(plain[key])
         if math.isinf(of.lead.value):
             continue

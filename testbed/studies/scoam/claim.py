@@ -13,7 +13,7 @@ HOLDS_ONLY_IF: Final = "holds only if"
 FAILS_KINEMATICALLY: Final = "fails kinematically"
 FAILS_WHEN_FLOWN: Final = "fails when flown"
 NOT_DETERMINED: Final = "not determined"
-WORDS: Final = (HOLDS, HOLDS_ONLY_IF, FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, NOT_DETERMINED)
+VERDICT_WORDS: Final = (HOLDS, HOLDS_ONLY_IF, FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, NOT_DETERMINED)
 
 Word = Literal["holds", "holds only if", "fails kinematically", "fails when flown", "not determined"]
 

@@ -1,6 +1,6 @@
 """The labels that the study selects flights by: the only place where they are spelt. What each stands for is said in ``docs/verdict.md``.
 
-``LABELS`` is what a campaign is checked against when it is loaded; whatever judges or draws takes its labels from here.
+``LABELS`` is what a campaign is checked against when it is loaded; whatever judges or pictures takes its labels from here.
 """
 
 from collections.abc import Mapping

@@ -17,10 +17,10 @@ class Scoam(Study):
     labels: ClassVar[Labels | None] = LABELS
     formerly: ClassVar[Mapping[str, str]] = {"verdict": "study: {kind: scoam}"}
 
-    def draws(self, plan: FlightPlan) -> bool:
-        from testbed.studies.scoam.page.picture_data import shown
+    def pictures(self, plan: FlightPlan) -> bool:
+        from testbed.studies.scoam.page.picture_data import picture_of
 
-        return shown(plan.labels, plan.replicate) is not None
+        return picture_of(plan.labels, plan.replicate) is not None
 
     def write(self, run: Run) -> Written:
         from testbed.studies.scoam.page import render

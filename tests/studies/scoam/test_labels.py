@@ -9,7 +9,7 @@ from testbed.campaign import SpecError, load_campaign
 from testbed.studies.scoam import labels
 from testbed.studies.scoam.labels import AIR, LABELS, Axis, Compass, Design, Encounter, Method, Part, Rung, Severity
 from testbed.studies.scoam.page import paper_names
-from testbed.studies.scoam.page.picture_data import SHOWN
+from testbed.studies.scoam.page.picture_data import PICTURED
 from testbed.studies.scoam.verdict import csv_words
 from testbed.studies.scoam.verdict.flights import Flights
 from tests.studies.scoam.verdict_rows import row
@@ -124,14 +124,14 @@ def test_an_axis_that_is_not_declared_cannot_be_selected_by() -> None:
 
 
 def test_pictures_and_names_are_of_labels_that_there_are() -> None:
-    for one in SHOWN:
+    for one in PICTURED:
         known = LABELS[Part(one.labels[Axis.PART])]
         assert set(one.labels) - {Axis.PART} <= set(known)
         assert all(label in known[axis] for axis, label in one.labels.items() if isinstance(known.get(axis), tuple))
-    assert set(paper_names.READINGS) == set(Encounter) - {Encounter.CLASS}
-    assert set(paper_names.RUNGS) == {*Rung, Part.WIND, Part.TURBULENCE}
-    assert set(Method) - {Method.LEAST_DEFLECTION} <= set(paper_names.METHODS)
-    assert set(Method) - {Method.NONE} <= set(csv_words.METHOD)
+    assert set(paper_names.READING_NAMES) == set(Encounter) - {Encounter.CLASS}
+    assert set(paper_names.RUNG_NAMES) == {*Rung, Part.WIND, Part.TURBULENCE}
+    assert set(Method) - {Method.LEAST_DEFLECTION} <= set(paper_names.METHOD_NAMES)
+    assert set(Method) - {Method.NONE} <= set(csv_words.METHOD_WORDS)
 
 
 def test_no_label_is_spelt_outside_of_its_place() -> None:

@@ -7,10 +7,10 @@ import math
 import pytest
 
 from testbed.studies.scoam.audit.audit import Figure
-from testbed.studies.scoam.claim import WORDS
+from testbed.studies.scoam.claim import VERDICT_WORDS
 from testbed.studies.scoam.verdict import csv_bytes, csv_words, judge, numbers
 from testbed.studies.scoam.verdict.controls import controls
-from testbed.studies.scoam.verdict.csv_file import COLUMNS
+from testbed.studies.scoam.verdict.csv_file import VERDICT_COLUMNS
 from testbed.studies.scoam.verdict.flights import Flights
 from tests.studies.scoam.verdict_rows import calm, drawn, population, rough, row, threat, windy
 
@@ -182,7 +182,7 @@ def test_half_a_campaign_has_a_verdict(audited, left_out):
     assert len(verdict.leading) == 9 + 18
     assert len({claim.key for claim in verdict.claims}) == len(verdict.claims) == 9 + 18 + 9 * 5
     for claim in verdict.claims:
-        assert claim.word in WORDS
+        assert claim.word in VERDICT_WORDS
         assert (claim.condition != "") == (claim.word == "holds only if"), claim.key
         assert claim.why.endswith(".")
         assert "nan" not in claim.why + claim.condition
@@ -202,7 +202,7 @@ def test_the_file_has_a_line_a_claim_and_six_digits(audited):
     assert data == csv_bytes(judge(list(a_bit_of_everything())))
     table = list(csv.DictReader(io.StringIO(data.decode())))
     assert [line["key"] for line in table] == [claim.key for claim in verdict.claims]
-    assert set(table[0]) == set(COLUMNS)
+    assert set(table[0]) == set(VERDICT_COLUMNS)
     safe = table[0]
     assert (safe["key"], safe["word"], safe["kinematic"], safe["point_mass"]) == ("words.single.safe", "fails when flown", "2", "")
     for line in table:

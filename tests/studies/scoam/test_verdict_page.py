@@ -17,7 +17,7 @@ from testbed.results.columns import FlightMetrics
 from testbed.results.statistics import Effect, Spread
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
-from testbed.studies.scoam.claim import WORDS, Claim, Control, Rank, Step, Waterfall
+from testbed.studies.scoam.claim import VERDICT_WORDS, Claim, Control, Rank, Step, Waterfall
 from testbed.studies.scoam.page import bars, detail, paragraphs, picture_data, render, table
 from tests.show.test_page import NASTY, PROVENANCE, campaign, flight, parsed
 
@@ -52,7 +52,7 @@ def rank(method: str, safe: int, **changes: Any) -> Rank:
 @pytest.fixture
 def verdict() -> SimpleNamespace:
     """One claim of each word, a number under two readings, and one of everything else."""
-    words = [claim(f"words.{k}", word) for k, word in enumerate(WORDS)]
+    words = [claim(f"words.{k}", word) for k, word in enumerate(VERDICT_WORDS)]
     numbers = [
         claim("table4.scoam.time", "fails kinematically", unit="s", kinematic=1.684, paper="1.19", text="SCOAM time"),
         claim("table2.scoam.deflection", "holds only if", unit="deg", kinematic=12.23, text="SCOAM deflection"),
@@ -82,7 +82,7 @@ def flown(make_record: MakeRecord, make_metrics: MakeMetrics) -> tuple[list[Row]
     """The flights of the pictures, of two aircraft, and one that is in none."""
     rows, series = [], {}
     for aircraft in ("gtm_t2", "c172p"):
-        for one in (*picture_data.SHOWN, None):
+        for one in (*picture_data.PICTURED, None):
             labels = {"encounter": "single_106", "method": "scoam", "flown_by": aircraft, **(one.labels if one else {"part": "population"})}
             kind = labels.get("rung") if labels.get("rung") in ("kinematic", "point_mass", "jsbsim") else "jsbsim"
             name = f"f{aircraft}{one.key if one else 'other'}"
@@ -99,7 +99,7 @@ def text_of(html: str) -> str:
 
 def test_every_claim_with_its_numbers_is_in_the_table(verdict: SimpleNamespace) -> None:
     text = text_of(render(verdict, [], {}).html)
-    for k, word in enumerate(WORDS):
+    for k, word in enumerate(VERDICT_WORDS):
         row = text[text.index(f"text of words.{k}") :][:420]
         assert word in row
         assert "2.7 m −2.0 m −3.8 m −6.1 to −2.4 m median −3.8 m, n = 39" in row  # noqa: RUF001
@@ -231,7 +231,7 @@ def test_the_pictures_take_one_flight_each_and_the_limits_of_the_aircraft(flown:
     data = picture_data.picture_data(*flown)
     assert list(data["aircraft"]) == ["gtm_t2", "c172p"]
     for name, panel in data["aircraft"].items():
-        assert list(panel["flights"]) == [one.key for one in picture_data.SHOWN]
+        assert list(panel["flights"]) == [one.key for one in picture_data.PICTURED]
         said = YAML(typ="safe").load(aircraft_folders()[name] / "aircraft.yaml")["limits"]
         assert panel["limits"] == {
             "bank_deg": said["bank_deg"],
@@ -239,10 +239,10 @@ def test_the_pictures_take_one_flight_each_and_the_limits_of_the_aircraft(flown:
             "roll_rate_dps": said["roll_rate_dps"],
         }
     labels = dict(flown[0][0]["labels"])
-    assert picture_data.shown(labels, 0)
-    assert not picture_data.shown(labels, 1)
-    assert not picture_data.shown(labels | {"method": "droam_hp"}, 0)
-    assert not picture_data.shown(labels | {"encounter": "multi_o2_up"}, 0)
+    assert picture_data.picture_of(labels, 0)
+    assert not picture_data.picture_of(labels, 1)
+    assert not picture_data.picture_of(labels | {"method": "droam_hp"}, 0)
+    assert not picture_data.picture_of(labels | {"encounter": "multi_o2_up"}, 0)
 
 
 def test_the_flights_shown_can_be_opened_and_flown_again(verdict: SimpleNamespace, flown: tuple[list[Row], dict[str, Any]]) -> None:

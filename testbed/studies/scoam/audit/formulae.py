@@ -15,7 +15,7 @@ from vosc.vec import norm, sub
 BASE = ("set_values_exact", "angles")
 THREAT = (*BASE, "without_threat")
 PH = ("route_tangents", "ph_magnitudes")
-POINT = (*BASE, "k_1_25", "arrival")
+POINT_ASSUMPTIONS = (*BASE, "k_1_25", "arrival")
 DROAM = ("droam", "nearest_branch")
 
 
@@ -81,7 +81,7 @@ def _point_rows(where: str, name: str, q: str, assumptions: tuple[str, ...]) -> 
 
 def _section_5_1() -> Iterator[Row]:
     where = "Section 5.1"
-    yield from _point_rows(where, "o", "q", POINT)
+    yield from _point_rows(where, "o", "q", POINT_ASSUMPTIONS)
     for index, (axis, symbol) in enumerate((("az", "psi_u"), ("el", "theta_u"))):
 
         def formula(case: Case, index: int = index) -> float:
@@ -125,14 +125,14 @@ def _section_5_1() -> Iterator[Row]:
         "flyable",
         "m",
         lambda case: ma.legs(case, "o", geo.direction_in_force(case))[0].min_radius_m,
-        (*POINT, "without_threat", *PH),
+        (*POINT_ASSUMPTIONS, "without_threat", *PH),
         "claim",
     )
 
 
 def _comparison(where: str, table: str, name: str) -> Iterator[Row]:
     """The nine numbers of Table 2 or 4."""
-    point = POINT if name == "o" else (*POINT, "same_own_state", "major_o1")
+    point = POINT_ASSUMPTIONS if name == "o" else (*POINT_ASSUMPTIONS, "same_own_state", "major_o1")
     for method, label in (("scoam", "SCOAM"), ("hp", "DROAM/HP"), ("vp", "DROAM/VP")):
         if method == "scoam":
             how: tuple[str, ...] = ("without_threat",) if name == "o" else ("without_threat", "k_by_y", "nearest_branch")
@@ -191,7 +191,7 @@ def _table_2() -> Iterator[Row]:
         "> 0",
         "m",
         lambda case: min(ma.lengths(case, "o", "hp") + ma.lengths(case, "o", "vp")) - ma.lengths(case, "o", "scoam")[0],
-        (*POINT, "without_threat", "droam", "common_q", *PH),
+        (*POINT_ASSUMPTIONS, "without_threat", "droam", "common_q", *PH),
         "claim",
     )
     yield relation(
@@ -204,7 +204,7 @@ def _table_2() -> Iterator[Row]:
             min(ma.leg_time(case, "o", new) for plane in ("hp", "vp") for new in ma.droam(case, "o", plane))
             - ma.leg_time(case, "o", ma.scoam(case, "o"))
         ),
-        (*POINT, "without_threat", "droam", "common_q", *PH),
+        (*POINT_ASSUMPTIONS, "without_threat", "droam", "common_q", *PH),
         "claim",
         decimals=2,
     )
@@ -217,7 +217,7 @@ def _table_3() -> Iterator[Row]:
 
 def _section_5_2() -> Iterator[Row]:
     where = "Section 5.2"
-    point = (*POINT, "same_own_state", "major_o1")
+    point = (*POINT_ASSUMPTIONS, "same_own_state", "major_o1")
     k_rule = (*THREAT, "same_own_state", "k_by_y", "nearest_branch")
     yield from _point_rows(where, "o1", "q2", point)
     for index, axis in enumerate("xyz"):

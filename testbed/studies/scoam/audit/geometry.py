@@ -13,7 +13,7 @@ from vosc.vec import Vec, add, along, azimuth_elevation, combine, cross, deflect
 
 CAP_OF = {"o": "g", "o1": "g1", "o2": "g2"}
 K_FACTOR = 1.25
-NOWHERE: Vec = (math.nan, math.nan, math.nan)
+NO_POINT: Vec = (math.nan, math.nan, math.nan)
 
 
 def heading(case: Case, name: str) -> Vec:
@@ -96,13 +96,13 @@ def insertion(case: Case, name: str) -> tuple[Vec, float]:
         return along(ahead, time, body.vel_mps), time
     found = insertion_point(me, body, k=K_FACTOR, time_rule="arrival")
     if found is None:
-        return NOWHERE, math.nan
+        return NO_POINT, math.nan
     x, y, z = found.point_m.tolist()
     return (x, y, z), found.time_s
 
 
 def point_in_force(case: Case, name: str) -> Vec:
-    """Q_avo a path is drawn through: printed or computed."""
+    """Q_avo a path is laid through: printed or computed."""
     return position(case, "q" if name == "o" else "q2") if case.has(CHAIN) else insertion(case, name)[0]
 
 
@@ -188,7 +188,7 @@ def k_point(case: Case) -> Vec:
         for side in (math.sqrt(beyond), -math.sqrt(beyond)):
             found.append(add(me, ((axis[0] * level + axis[2] * side) / flat2, y, (axis[2] * level - axis[0] * side) / flat2)))
     printed = position(case, "k")
-    return min(found, key=lambda p: math.dist(p, printed)) if found else NOWHERE
+    return min(found, key=lambda p: math.dist(p, printed)) if found else NO_POINT
 
 
 def crossings(case: Case) -> list[Vec]:

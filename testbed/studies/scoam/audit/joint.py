@@ -26,7 +26,7 @@ class Together(NamedTuple):
     multiple: float
 
 
-STEPS = 8
+PROGRAMS = 8
 DIFFERENCE = 0.02
 
 
@@ -44,7 +44,7 @@ def together(reading: Reading, rows: Sequence[Row]) -> float:
     middle = np.array([0.5 * (row.low + row.high) for row in rows])
     tolerance = np.array([0.5 * (row.high - row.low) for row in rows])
     unit, best = np.zeros(len(axes)), np.inf
-    for step in range(STEPS):
+    for step in range(PROGRAMS):
         miss = (values(unit)[0] - middle) / tolerance
         best = min(best, float(np.abs(miss).max()))
         slopes = np.empty((len(rows), len(axes)))

@@ -14,7 +14,7 @@ from testbed.show.assets import environment
 from testbed.studies.scoam.audit.audit import ALL_READINGS, AuditRow, Figure, audit, joint_tests
 from testbed.studies.scoam.audit.readings import AS_PRINTED, ASSUMPTIONS, READINGS
 
-MINUS = re.compile(r"(?<![\w.])-(?=\d)")  # a minus, not the dash of "eq. 34-35"
+HYPHEN_AS_MINUS = re.compile(r"(?<![\w.])-(?=\d)")  # a minus, not the dash of "eq. 34-35"
 VERDICTS = {
     "reproduced": "the printed numbers give it",
     "reproduced_with_reading": "another reading of the paper gives it",
@@ -108,7 +108,7 @@ def _shown(row: AuditRow) -> dict[str, Any]:
         "tolerance": f"{row.tolerance:.{decimals}f}" if row.kind in ("value", "choice") else "",
         "cells": cells,
         "verdict": row.verdict,
-        "evidence": MINUS.sub("\N{MINUS SIGN}", row.evidence),
+        "evidence": HYPHEN_AS_MINUS.sub("\N{MINUS SIGN}", row.evidence),
         "assumptions": row.assumptions,
     }
 

@@ -56,20 +56,22 @@ def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[st
 
 def _by_name(item: tuple[str, dict[str, Any]]) -> tuple[bool, str]:
     """The paper's geometry first."""
-    return item[0] not in paper_names.AIRCRAFT, str(
-        list(paper_names.AIRCRAFT).index(item[0]) if item[0] in paper_names.AIRCRAFT else item[0]
+    return item[0] not in paper_names.AIRCRAFT_NAMES, str(
+        list(paper_names.AIRCRAFT_NAMES).index(item[0]) if item[0] in paper_names.AIRCRAFT_NAMES else item[0]
     )
 
 
 def _pictured(falls: Sequence[Waterfall]) -> list[dict[str, Any]]:
     """The waterfalls of the verdict's own encounter, one an aircraft."""
     mine = [fall for fall in falls if (fall.encounter, fall.method) == (paper_names.ENCOUNTER, paper_names.METHOD) and fall.steps]
-    return [{"title": words.named(paper_names.AIRCRAFT, fall.aircraft), "svg": bars.waterfall_svg(fall)} for fall in mine]
+    return [{"title": words.named(paper_names.AIRCRAFT_NAMES, fall.aircraft), "svg": bars.waterfall_svg(fall)} for fall in mine]
 
 
 def _rankings(verdict: "Verdict") -> list[dict[str, Any]]:
     made = []
     for rung in dict.fromkeys(rank.rung for rank in verdict.ranks):
         mine = [rank for rank in verdict.ranks if rank.rung == rung]
-        made.append({"title": words.named(paper_names.RUNGS, rung), "share": bars.share_svg(mine), "clearance": bars.clearance_svg(mine)})
+        made.append(
+            {"title": words.named(paper_names.RUNG_NAMES, rung), "share": bars.share_svg(mine), "clearance": bars.clearance_svg(mine)}
+        )
     return made

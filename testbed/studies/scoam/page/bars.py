@@ -9,7 +9,7 @@ from testbed.airframe.chart import ticks
 from testbed.show import words
 from testbed.show.words import named, number
 from testbed.studies.scoam.claim import Rank, Waterfall
-from testbed.studies.scoam.page.paper_names import METHODS, STEPS
+from testbed.studies.scoam.page.paper_names import METHOD_NAMES, STEP_NAMES
 from testbed.studies.scoam.page.paragraphs import signed
 
 WIDTH, NAMES, ROW, TOP, BOTTOM = 500, 186, 26, 6, 36  # px of the drawing; NAMES: the column of names on the left
@@ -40,7 +40,7 @@ def waterfall_svg(fall: Waterfall) -> Markup:
         known = math.isfinite(step.change_m)
         x0, x1 = scale(step.clearance_m - step.change_m if known else 0.0), scale(step.clearance_m)
         css = "start" if not known else "lost" if step.change_m < 0.0 else "won"
-        name = named(STEPS, step.rung)
+        name = named(STEP_NAMES, step.rung)
         title = f"{name}: {words.amount(step.clearance_m, 'm')}" + (f", change {signed(step.change_m)}" if known else "")
         parts.append(_name(y, name))
         parts.append(
@@ -55,13 +55,15 @@ def waterfall_svg(fall: Waterfall) -> Markup:
 
 def share_svg(ranks: Sequence[Rank]) -> Markup:
     """Share of the population in which each method keeps the radius, with its interval."""
-    rows = [(named(METHODS, rank.method), 100 * rank.safe_low, 100 * rank.safe / rank.n, 100 * rank.safe_high) for rank in ranks if rank.n]
+    rows = [
+        (named(METHOD_NAMES, rank.method), 100 * rank.safe_low, 100 * rank.safe / rank.n, 100 * rank.safe_high) for rank in ranks if rank.n
+    ]
     return _intervals(rows, "encounters that keep the radius, % (95 % interval)", whole=(0.0, 100.0))
 
 
 def clearance_svg(ranks: Sequence[Rank]) -> Markup:
     """Median of the clearance of each method on the population, from the 5th to the 95th percentile."""
-    rows = [(named(METHODS, rank.method), rank.clearance.p05, rank.clearance.median, rank.clearance.p95) for rank in ranks if rank.n]
+    rows = [(named(METHOD_NAMES, rank.method), rank.clearance.p05, rank.clearance.median, rank.clearance.p95) for rank in ranks if rank.n]
     return _intervals(rows, "least clearance, m (5 %, median, 95 %)", shade_below_zero=True)
 
 

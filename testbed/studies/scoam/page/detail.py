@@ -11,7 +11,7 @@ from testbed.show.words import DASH, named, number
 from testbed.studies.scoam.claim import Control, Rank, Waterfall
 from testbed.studies.scoam.labels import Design, Method, Part, Rung
 from testbed.studies.scoam.page import paper_names
-from testbed.studies.scoam.page.paper_names import AIRCRAFT, IN_AIR, LIMITS, METHODS, READINGS, RUNGS
+from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, LIMIT_NAMES, METHOD_NAMES, READING_NAMES, RUNG_NAMES, RUNG_NAMES_IN_AIR
 from testbed.studies.scoam.page.paragraphs import p_value
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def control_rows(controls: Sequence[Control]) -> list[dict[str, Any]]:
             "expected": control.expected,
             "count": f"{control.met} of {control.n}" if control.n else "not flown",
             "tone": "warn" if not control.n else "good" if control.met == control.n else "bad",
-            "exceptions": paper_names.MINUS.sub("\N{MINUS SIGN}", control.exceptions) or DASH,
+            "exceptions": paper_names.HYPHEN_AS_MINUS.sub("\N{MINUS SIGN}", control.exceptions) or DASH,
         }
         for control in controls
     ]
@@ -51,7 +51,11 @@ def control_rows(controls: Sequence[Control]) -> list[dict[str, Any]]:
 def rank_groups(ranks: Sequence[Rank]) -> list[dict[str, Any]]:
     """A table a rung: methods in the order of the verdict, with what to sort by."""
     return [
-        {"rung": named(RUNGS, rung), "ranks": (mine := [rank for rank in ranks if rank.rung == rung]), "rows": [_rank(r) for r in mine]}
+        {
+            "rung": named(RUNG_NAMES, rung),
+            "ranks": (mine := [rank for rank in ranks if rank.rung == rung]),
+            "rows": [_rank(r) for r in mine],
+        }
         for rung in dict.fromkeys(rank.rung for rank in ranks)
     ]
 
@@ -78,7 +82,7 @@ def _rank(rank: Rank) -> dict[str, Any]:
         (DASH, "", math.nan) if own else (p_value(rank.mcnemar_p), "", rank.mcnemar_p),
     ]
     return {
-        "method": named(METHODS, rank.method),
+        "method": named(METHOD_NAMES, rank.method),
         "cells": [{"text": text, "note": note, "sort": sortable(x)} for text, note, x in cells],
     }
 
@@ -92,7 +96,7 @@ def _three(told: Spread, unit: str) -> tuple[str, str]:
     """Median, and 5th to 95th percentile."""
     if not told.n:
         return DASH, ""
-    digits = words.DIGITS.get(unit, 2)
+    digits = words.UNIT_DIGITS.get(unit, 2)
     return number(told.median, digits), words.interval(told.p05, told.p95, "", digits)
 
 
@@ -112,7 +116,7 @@ def _air_table(cells: "Sequence[AirCell]") -> dict[str, Any]:
     grouped: dict[tuple[str, str, str, str], dict[str, AirCell]] = {}
     for cell in cells:
         grouped.setdefault((cell.encounter, cell.aircraft, cell.rung, cell.method), {})[cell.strength] = cell
-    vocabularies = (READINGS, AIRCRAFT, IN_AIR, METHODS)
+    vocabularies = (READING_NAMES, AIRCRAFT_NAMES, RUNG_NAMES_IN_AIR, METHOD_NAMES)
     return {
         "headings": [f"{strength} m/s" if strength.isdigit() else strength for strength in strengths],
         "rows": [
@@ -148,14 +152,14 @@ def waterfall_table(falls: Sequence[Waterfall]) -> dict[str, Any]:
         figures += [part.get(limit, math.nan) for limit in limits for part in (fall.alone_m, fall.last_m)]
         rows.append(
             {
-                "names": [named(READINGS, fall.encounter), named(AIRCRAFT, fall.aircraft), named(METHODS, fall.method)],
+                "names": [named(READING_NAMES, fall.encounter), named(AIRCRAFT_NAMES, fall.aircraft), named(METHOD_NAMES, fall.method)],
                 "cells": [
                     {"text": number(x, 1), "sort": sortable(x), "bad": k < len(rungs) and bool(inside(x))} for k, x in enumerate(figures)
                 ],
             }
         )
-    headings = [named(RUNGS, rung) for rung in rungs]
-    headings += [f"{named(LIMITS, limit)} {what}" for limit in limits for what in ("alone costs", "taken away gives back")]
+    headings = [named(RUNG_NAMES, rung) for rung in rungs]
+    headings += [f"{named(LIMIT_NAMES, limit)} {what}" for limit in limits for what in ("alone costs", "taken away gives back")]
     return {"headings": headings, "rows": rows}
 
 
@@ -181,9 +185,18 @@ def case_table(cases: "Sequence[Case]") -> dict[str, Any]:
         "headings": [(heading, unit) for _, heading, unit in CASE_COLUMNS],
         "rows": [
             {
-                "names": [named(READINGS, c.encounter), named(AIRCRAFT, c.aircraft), named(RUNGS, c.rung), named(METHODS, c.method)],
+                "names": [
+                    named(READING_NAMES, c.encounter),
+                    named(AIRCRAFT_NAMES, c.aircraft),
+                    named(RUNG_NAMES, c.rung),
+                    named(METHOD_NAMES, c.method),
+                ],
                 "cells": [
-                    {"text": number(x, words.DIGITS.get(unit, 2)), "sort": sortable(x), "bad": key == "clearance_m" and bool(inside(x))}
+                    {
+                        "text": number(x, words.UNIT_DIGITS.get(unit, 2)),
+                        "sort": sortable(x),
+                        "bad": key == "clearance_m" and bool(inside(x)),
+                    }
                     for key, _, unit in CASE_COLUMNS
                     for x in (getattr(c, key),)
                 ],

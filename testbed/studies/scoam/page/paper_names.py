@@ -10,13 +10,13 @@ from testbed.show.words import DASH, amount, interval, percent, sentence
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED
 from testbed.studies.scoam.labels import Encounter, Method, Part, Rung
 
-METHODS: Mapping[str, str] = words.METHODS | {
+METHOD_NAMES: Mapping[str, str] = words.METHOD_NAMES | {
     Method.DROAM_HP_LEFT: "DROAM/HP, left",
     Method.DROAM_HP_RIGHT: "DROAM/HP, right",
     Method.DROAM_VP_UP: "DROAM/VP, up",
     Method.DROAM_VP_DOWN: "DROAM/VP, down",
 }
-READINGS: Mapping[str, str] = {
+READING_NAMES: Mapping[str, str] = {
     Encounter.SINGLE_AS_PRINTED: "Table 1 as printed",
     Encounter.SINGLE_106: "Table 1, azimuth 106\N{DEGREE SIGN}",
     Encounter.SINGLE_106_10: "Table 1, direction (106.1\N{DEGREE SIGN}, 10.4\N{DEGREE SIGN})",
@@ -26,7 +26,7 @@ READINGS: Mapping[str, str] = {
     Encounter.GENTLE_NO_MARGIN: "gentle, 6 s ahead",
     Encounter.IMPOSSIBLE: "impossible, 0.3 s ahead",
 }
-RUNGS: Mapping[str, str] = {
+RUNG_NAMES: Mapping[str, str] = {
     Rung.VO_INSTANT: "velocity turned at once",
     Rung.KINEMATIC: "kinematic",
     Rung.POINT_IDEAL: "point mass, no limits",
@@ -42,7 +42,7 @@ RUNGS: Mapping[str, str] = {
     Part.WIND: "flown, steady wind",
     Part.TURBULENCE: "flown, turbulence",
 }
-STEPS: Mapping[str, str] = {
+STEP_NAMES: Mapping[str, str] = {
     Rung.VO_INSTANT: "velocity turned at once",
     Rung.KINEMATIC: "+ insertion point (kinematic)",
     Rung.POINT_IDEAL: "+ guidance",
@@ -54,9 +54,9 @@ STEPS: Mapping[str, str] = {
     Part.TURBULENCE: "in turbulence (median)",
 }
 """What each step of a waterfall adds."""
-IN_AIR: Mapping[str, str] = {Rung.KINEMATIC: "kinematic", Rung.JSBSIM: "flown", Rung.DIRECT: "flown, no insertion point"}
-AIRCRAFT: Mapping[str, str] = {"gtm_t2": "GTM-T2", "c172p": "Cessna 172P", "t37": "T-37"}
-LIMITS = {"roll": "roll", "load_factor": "load factor", "load": "load factor", "speed": "speed"}
+RUNG_NAMES_IN_AIR: Mapping[str, str] = {Rung.KINEMATIC: "kinematic", Rung.JSBSIM: "flown", Rung.DIRECT: "flown, no insertion point"}
+AIRCRAFT_NAMES: Mapping[str, str] = {"gtm_t2": "GTM-T2", "c172p": "Cessna 172P", "t37": "T-37"}
+LIMIT_NAMES = {"roll": "roll", "load_factor": "load factor", "load": "load factor", "speed": "speed"}
 WORD_CLASS = {
     HOLDS: "holds",
     HOLDS_ONLY_IF: "only-if",
@@ -66,14 +66,14 @@ WORD_CLASS = {
 }
 ENCOUNTER, METHOD = Encounter.SINGLE_106, Method.SCOAM
 """Section 5.1 in the reading that makes its obstacle a threat: what the pictures show."""
-MINUS = re.compile(r"(?<![\w.)])-(?=[\d.])")  # of a number, not a hyphen
+HYPHEN_AS_MINUS = re.compile(r"(?<![\w.)])-(?=[\d.])")  # of a number, not a hyphen
 
 
 def typeset(text: str) -> str:
     """A sentence of the verdict as the page writes it: the names of aircraft, minus signs, one full stop."""
-    for key, name in AIRCRAFT.items():
+    for key, name in AIRCRAFT_NAMES.items():
         text = re.sub(rf"\b{key}\b", name, text)
-    return sentence(MINUS.sub("\N{MINUS SIGN}", text))
+    return sentence(HYPHEN_AS_MINUS.sub("\N{MINUS SIGN}", text))
 
 
 def decimals(printed: str) -> int:

@@ -13,14 +13,14 @@ from testbed.studies.scoam.claim import (
     HOLDS,
     HOLDS_ONLY_IF,
     NOT_DETERMINED,
-    WORDS,
+    VERDICT_WORDS,
     Claim,
     Rank,
     Waterfall,
 )
 from testbed.studies.scoam.labels import Method, Part, Rung
 from testbed.studies.scoam.page import paper_names
-from testbed.studies.scoam.page.paper_names import AIRCRAFT, ENCOUNTER, LIMITS, METHOD, METHODS, READINGS, RUNGS
+from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, ENCOUNTER, LIMIT_NAMES, METHOD, METHOD_NAMES, READING_NAMES, RUNG_NAMES
 from testbed.studies.scoam.page.table import DEPENDS, Block, blocks
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def _counts(made: Sequence[Block]) -> list[str]:
         if members:
             count = Counter(block.word for block in members)
             parts = []
-            for word in (*WORDS, DEPENDS):
+            for word in (*VERDICT_WORDS, DEPENDS):
                 names = "; ".join(block.first.text for block in members if block.word == word)
                 parts += [f"{count[word]} {COUNTED[word][count[word] != 1]}" + (f" ({names})" if in_words else "")] if count[word] else []
             said.append(f"Of {noun}, {len(members)} in all, {listed(parts)}.")
@@ -86,8 +86,8 @@ def _claim(block: Block) -> list[str]:
     """What became of one claim in words, reading by reading."""
     said = []
     for claim in block.told:
-        under = [named(READINGS, claim.reading)] if claim.reading else []
-        under += [named(AIRCRAFT, claim.aircraft)] if claim.aircraft and len({c.aircraft for c in block.told}) > 1 else []
+        under = [named(READING_NAMES, claim.reading)] if claim.reading else []
+        under += [named(AIRCRAFT_NAMES, claim.aircraft)] if claim.aircraft and len({c.aircraft for c in block.told}) > 1 else []
         before = f"{', '.join(under)}: " if len(block.told) > 1 and under else ""
         if claim.paper:
             before += f"\N{LEFT DOUBLE QUOTATION MARK}{claim.paper}\N{RIGHT DOUBLE QUOTATION MARK}: "
@@ -109,7 +109,7 @@ def _numbers(made: Sequence[Block]) -> list[str]:
     said = []
     for where in dict.fromkeys(block.first.where for block in made):
         mine = [block for block in made if block.first.where == where]
-        for word in (*WORDS, DEPENDS):
+        for word in (*VERDICT_WORDS, DEPENDS):
             those = [block for block in mine if block.word == word]
             if those:
                 names = listed([f"{block.first.text} ({_printed(block.first)})" for block in those])
@@ -119,16 +119,18 @@ def _numbers(made: Sequence[Block]) -> list[str]:
 
 def _printed(claim: Claim) -> str:
     """Printed and recomputed."""
-    digits = max(paper_names.decimals(claim.paper), words.DIGITS.get(claim.unit, 2))
+    digits = max(paper_names.decimals(claim.paper), words.UNIT_DIGITS.get(claim.unit, 2))
     return f"printed {claim.paper}, kinematic {words.amount(claim.kinematic, claim.unit, digits)}"
 
 
 def _waterfall(fall: Waterfall) -> str:
     parts = [f"{words.amount(step.clearance_m, 'm')} {WAYS[step.rung]}" for step in fall.steps if step.rung in WAYS]
-    who = f"{named(READINGS, fall.encounter)}, {named(METHODS, fall.method)}, {named(AIRCRAFT, fall.aircraft)}"
+    who = f"{named(READING_NAMES, fall.encounter)}, {named(METHOD_NAMES, fall.method)}, {named(AIRCRAFT_NAMES, fall.aircraft)}"
     said = f"{who}: the least clearance is {listed(parts)}."
-    alone = [f"{named(LIMITS, limit)} {words.amount(cost, 'm')}" for limit, cost in sorted(fall.alone_m.items()) if math.isfinite(cost)]
-    last = [f"{named(LIMITS, limit)} {words.amount(gain, 'm')}" for limit, gain in sorted(fall.last_m.items()) if math.isfinite(gain)]
+    alone = [
+        f"{named(LIMIT_NAMES, limit)} {words.amount(cost, 'm')}" for limit, cost in sorted(fall.alone_m.items()) if math.isfinite(cost)
+    ]
+    last = [f"{named(LIMIT_NAMES, limit)} {words.amount(gain, 'm')}" for limit, gain in sorted(fall.last_m.items()) if math.isfinite(gain)]
     if alone:
         said += f" Each limit of the point mass alone costs: {listed(alone)}."
     if last:
@@ -150,19 +152,19 @@ def _ranking(ranks: Sequence[Rank]) -> list[str]:
             continue
         best_first = sorted(mine, key=lambda rank: (-rank.safe / rank.n, rank.method))
         shares = [
-            f"{named(METHODS, rank.method)} in {words.percent(rank.safe / rank.n)} "
+            f"{named(METHOD_NAMES, rank.method)} in {words.percent(rank.safe / rank.n)} "
             f"({words.interval(rank.safe_low, rank.safe_high, 'share')})"
             for rank in best_first
         ]
         total = listed(sorted({str(rank.n) for rank in mine}, key=int))
         said.append(
-            f"On {total} encounters of the paper's class ({named(RUNGS, rung)}), the radius is kept by {listed(shares)}; "
+            f"On {total} encounters of the paper's class ({named(RUNG_NAMES, rung)}), the radius is kept by {listed(shares)}; "
             "in brackets 95 % intervals."
         )
         rivals = [rank for rank in best_first if rank.method not in (Method.SCOAM, Method.NONE)]
         duels = [_duel(rank) for rank in rivals if math.isfinite(rank.versus_scoam.value)]
         if duels:
-            said.append(f"SCOAM's clearance less the other's, paired by encounter ({named(RUNGS, rung)}): {'; '.join(duels)}.")
+            said.append(f"SCOAM's clearance less the other's, paired by encounter ({named(RUNG_NAMES, rung)}): {'; '.join(duels)}.")
     return said
 
 
@@ -171,7 +173,7 @@ def _duel(rank: Rank) -> str:
     told = rank.versus_scoam
     known = [words.interval(told.low, told.high, told.unit)] if math.isfinite(told.low) and math.isfinite(told.high) else []
     known += [f"share that keeps the radius: McNemar's {p_value(rank.mcnemar_p)}"] if math.isfinite(rank.mcnemar_p) else []
-    return f"{named(METHODS, rank.method)} {words.amount(told.value, told.unit)}" + (f" ({'; '.join(known)})" if known else "")
+    return f"{named(METHOD_NAMES, rank.method)} {words.amount(told.value, told.unit)}" + (f" ({'; '.join(known)})" if known else "")
 
 
 def p_value(p: float) -> str:

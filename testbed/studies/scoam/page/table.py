@@ -9,7 +9,7 @@ from testbed.show import words
 from testbed.show.words import named
 from testbed.studies.scoam.claim import HOLDS_ONLY_IF, Claim
 from testbed.studies.scoam.page import paper_names
-from testbed.studies.scoam.page.paper_names import AIRCRAFT, READINGS
+from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, READING_NAMES
 
 IN_WORDS = "words"
 DEPENDS = "depends on the reading"
@@ -77,11 +77,11 @@ def _block(block: Block) -> dict[str, Any]:
 
 
 def _row(claim: Claim, name_aircraft: bool) -> dict[str, Any]:
-    digits = max(paper_names.decimals(claim.paper), words.DIGITS.get(claim.unit, 2))
+    digits = max(paper_names.decimals(claim.paper), words.UNIT_DIGITS.get(claim.unit, 2))
     values = (claim.kinematic, claim.point_mass, claim.flown_calm)
     air = claim.flown_air
     unit = claim.unit if len(claim.unit) <= SHORT else ""  # a long one stands beside the quantity
-    under = (named(READINGS, claim.reading), named(AIRCRAFT, claim.aircraft) if name_aircraft and claim.aircraft else "")
+    under = (named(READING_NAMES, claim.reading), named(AIRCRAFT_NAMES, claim.aircraft) if name_aircraft and claim.aircraft else "")
     printed = "" if claim.key.startswith(IN_WORDS) else claim.paper
     return {
         "lesser": False,

@@ -10,7 +10,7 @@ from testbed.studies.scoam.claim import Step, Waterfall
 from testbed.studies.scoam.labels import SIDES, Axis, Design, Part, Rung
 from testbed.studies.scoam.verdict.flights import Flights, Row, clearance
 
-LIMITS: Final = {
+LIMIT_RUNGS: Final = {
     "roll": (Rung.POINT_ROLL, Rung.POINT_NO_ROLL),
     "load factor": (Rung.POINT_LOAD, Rung.POINT_NO_LOAD),
     "speed": (Rung.POINT_SPEED, Rung.POINT_NO_SPEED),
@@ -20,7 +20,7 @@ LIMITS: Final = {
 CHAIN: Final = (Rung.VO_INSTANT, Rung.KINEMATIC, Rung.POINT_IDEAL, Rung.POINT_LOAD, Rung.POINT_NO_ROLL, Rung.POINT_MASS, Rung.JSBSIM)
 """Calm rungs, each with one thing more: the insertion point, guidance, load factor, speed, roll, six degrees of freedom."""
 
-POINT: Final = "insertion point"
+INSERTION_POINT: Final = "insertion point"
 DIRECTION: Final = "avoidance direction"  # what fails without any of the rest
 SIX: Final = "six degrees of freedom"
 
@@ -29,7 +29,8 @@ def waterfall(flights: Flights, encounter: str, method: str, aircraft: str) -> W
     """The waterfall of one method, or nothing where fewer than two rungs were flown."""
     where = {Axis.ENCOUNTER: encounter, Axis.FLOWN_BY: aircraft}
     rungs = {
-        rung: clearance(flights.one(Part.CALM, method, rung, **where)) for rung in {*CHAIN, *(r for both in LIMITS.values() for r in both)}
+        rung: clearance(flights.one(Part.CALM, method, rung, **where))
+        for rung in {*CHAIN, *(r for both in LIMIT_RUNGS.values() for r in both)}
     }
     steps, before = [], NAN
     for rung in CHAIN:
@@ -42,8 +43,8 @@ def waterfall(flights: Flights, encounter: str, method: str, aircraft: str) -> W
         if rows:
             middle = float(np.median([clearance(row) for row in rows]))
             steps.append(Step(name, middle, middle - rungs[Rung.JSBSIM]))
-    alone = {limit: rungs[Rung.POINT_IDEAL] - rungs[only] for limit, (only, _) in LIMITS.items()}
-    last = {limit: rungs[without] - rungs[Rung.POINT_MASS] for limit, (_, without) in LIMITS.items()}
+    alone = {limit: rungs[Rung.POINT_IDEAL] - rungs[only] for limit, (only, _) in LIMIT_RUNGS.items()}
+    last = {limit: rungs[without] - rungs[Rung.POINT_MASS] for limit, (_, without) in LIMIT_RUNGS.items()}
     return Waterfall(encounter, method, aircraft, tuple(steps), alone, last)
 
 
@@ -90,7 +91,7 @@ def kinematic_cause(found: Waterfall | None) -> tuple[str, float]:
     at = {} if found is None else {step.rung: step.clearance_m for step in found.steps}
     if Rung.VO_INSTANT not in at or Rung.KINEMATIC not in at or at[Rung.KINEMATIC] >= 0.0:
         return "", NAN
-    return most_costly({POINT: at[Rung.VO_INSTANT] - at[Rung.KINEMATIC], DIRECTION: max(0.0, -at[Rung.VO_INSTANT])})
+    return most_costly({INSERTION_POINT: at[Rung.VO_INSTANT] - at[Rung.KINEMATIC], DIRECTION: max(0.0, -at[Rung.VO_INSTANT])})
 
 
 def lesser_side(flights: Flights, plane: str, encounter: str, aircraft: str) -> str:

@@ -15,7 +15,7 @@ from testbed.studies.scoam.verdict.flights import Flights
 from testbed.studies.scoam.verdict.pairs import CLEAR, DEFLECTION, EVERY, LENGTH, TIME, Measure, Pairs, gain, paired
 from testbed.studies.scoam.verdict.rulings import Agreement, Ruling, agreement, comparison, robust, side
 
-DRAWN: Final = SINGLE[0]
+SINGLE_DRAWN: Final = SINGLE[0]
 POPULATION: Final = Part.POPULATION
 
 
@@ -61,7 +61,7 @@ def least(flights: Flights, claim: Least) -> Claim:
         ruling = Ruling(HOLDS_ONLY_IF, ", ".join(["DROAM is the only rival", *extra]), every.ruling.reason)
     on_rails = ruling.word in (FAILS_KINEMATICALLY, NOT_DETERMINED) or not own.flown.differences
     effect = own.rails.effect if on_rails else own.flown.effect
-    rungs = {rung: _nominal(flights, claim.measure, rung, DRAWN) for rung in (Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM)}
+    rungs = {rung: _nominal(flights, claim.measure, rung, SINGLE_DRAWN) for rung in (Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM)}
     return Claim(
         claim.key,
         "Table 2",
@@ -69,7 +69,7 @@ def least(flights: Flights, claim: Least) -> Claim:
         claim.paper,
         claim.measure.unit,
         f"{claim.measure.name} of the best DROAM minus SCOAM's (flown: {_flown_name(claim.measure)})",
-        DRAWN,
+        SINGLE_DRAWN,
         MAIN,
         rungs[Rung.KINEMATIC],
         rungs[Rung.POINT_MASS],
@@ -106,7 +106,7 @@ def _judged(flights: Flights, measure: Measure, rivals: Sequence[str]) -> Judged
     return Judged(robust(ruling, agree), agree, rails, flown)
 
 
-def draw_words(flights: Flights, measure: Measure, rivals: Sequence[str], encounter: str = DRAWN) -> tuple[Word | None, list[Word]]:
+def draw_words(flights: Flights, measure: Measure, rivals: Sequence[str], encounter: str = SINGLE_DRAWN) -> tuple[Word | None, list[Word]]:
     """What each draw's own flights say: SCOAM is least on rails, and flown."""
     both = []
     for rung in (Rung.KINEMATIC, Rung.JSBSIM):
@@ -124,8 +124,11 @@ def _nominal(flights: Flights, measure: Measure, rung: str, encounter: str, riva
 
 
 def _in_air(flights: Flights, measure: Measure) -> list[float]:
-    wind = paired(flights, measure, Part.WIND, Rung.JSBSIM, DROAM, encounter=DRAWN, flown_by=MAIN, design=Design.ANCHORED)
-    return [*wind.differences, *paired(flights, measure, Part.TURBULENCE, Rung.JSBSIM, DROAM, encounter=DRAWN, flown_by=MAIN).differences]
+    wind = paired(flights, measure, Part.WIND, Rung.JSBSIM, DROAM, encounter=SINGLE_DRAWN, flown_by=MAIN, design=Design.ANCHORED)
+    return [
+        *wind.differences,
+        *paired(flights, measure, Part.TURBULENCE, Rung.JSBSIM, DROAM, encounter=SINGLE_DRAWN, flown_by=MAIN).differences,
+    ]
 
 
 def _why(flights: Flights, measure: Measure, own: Judged, every: Judged, ruling: Ruling) -> str:
@@ -140,7 +143,7 @@ def _why(flights: Flights, measure: Measure, own: Judged, every: Judged, ruling:
         told = [f"{_apart(gap, measure.unit)} ({reading(encounter)})" for encounter, gap in gaps.items() if math.isfinite(gap)]
         if told:
             said.append(f"{where} SCOAM's {measure.name} is, against the best DROAM's in calm air, {listed(told)}.")
-    if measure is TIME and math.isfinite(gap := _nominal(flights, CLEAR, Rung.KINEMATIC, DRAWN)):
+    if measure is TIME and math.isfinite(gap := _nominal(flights, CLEAR, Rung.KINEMATIC, SINGLE_DRAWN)):
         said.append(f"Until clear instead of to the insertion point, on rails: {_apart(gap, 's')}.")
     if ruling.reason:
         said.append(f"{ruling.reason[:1].upper()}{ruling.reason[1:]}.")

@@ -15,7 +15,7 @@ SAME_MISS_M: Final = 1.0
 EXACT_M: Final = 0.01
 RESIDUAL_M: Final = 0.5
 """Clearance = planned + schedule part + cross-track part, within this."""
-SHOWN: Final = 3  # exceptions that are named
+MOST_EXCEPTIONS_NAMED: Final = 3
 
 
 def controls(flights: Flights) -> tuple[Control, ...]:
@@ -86,6 +86,6 @@ def _residual(row: Row) -> float:
 def _control(name: str, expected: str, rows: Iterable[Row], met: Callable[[Row], bool]) -> Control:
     every = list(rows)
     wrong = [row for row in every if not met(row)]
-    named = [f"{row.get('cell')} ({say(clearance(row), 'm')})" for row in wrong[:SHOWN]]
-    more = [f"and {len(wrong) - SHOWN} more"] if len(wrong) > SHOWN else []
+    named = [f"{row.get('cell')} ({say(clearance(row), 'm')})" for row in wrong[:MOST_EXCEPTIONS_NAMED]]
+    more = [f"and {len(wrong) - MOST_EXCEPTIONS_NAMED} more"] if len(wrong) > MOST_EXCEPTIONS_NAMED else []
     return Control(name, expected, len(every) - len(wrong), len(every), "; ".join([*named, *more]))

@@ -8,9 +8,9 @@ from typing import Any, Final
 from testbed.studies.scoam.claim import Claim
 from testbed.studies.scoam.verdict.judged import Verdict
 
-DIGITS: Final = 6
+SIGNIFICANT_DIGITS: Final = 6
 
-COLUMNS: Final = (
+VERDICT_COLUMNS: Final = (
     "key where text paper unit quantity reading aircraft kinematic point_mass flown_calm flown_air_p05 flown_air_median flown_air_p95 "
     "flown_air_n word condition effect_what effect_unit effect effect_low effect_high effect_n robustness_share robustness_n "
     "deciding_limit why"
@@ -21,7 +21,7 @@ def csv_bytes(verdict: Verdict) -> bytes:
     """All claims in order; figures with six significant digits, NaN as an empty field."""
     out = io.StringIO(newline="")
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    writer.writerow(VERDICT_COLUMNS)
     writer.writerows([_text(value) for value in _values(claim)] for claim in verdict.claims)
     return out.getvalue().encode()
 
@@ -41,4 +41,4 @@ def _text(value: str | float) -> str:
         return str(value)
     if math.isnan(value):
         return ""
-    return f"{float(f'{value:.{DIGITS}g}') + 0.0:.{DIGITS}g}"  # + 0.0: no negative zero
+    return f"{float(f'{value:.{SIGNIFICANT_DIGITS}g}') + 0.0:.{SIGNIFICANT_DIGITS}g}"  # + 0.0: no negative zero

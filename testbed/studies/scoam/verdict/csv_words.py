@@ -8,11 +8,11 @@ from testbed.results.statistics import Effect
 from testbed.show import words
 from testbed.studies.scoam.labels import Encounter, Method, Rung
 
-PLACES: Final = words.DIGITS | {"deg": 2, "ms": 2}
+DECIMALS: Final = words.UNIT_DIGITS | {"deg": 2, "ms": 2}
 """Decimals in a sentence, which compares what differs little."""
-NONE: Final = "none"
+NO_FIGURE: Final = "none"
 
-READING: Final[Mapping[str, str]] = {
+READING_WORDS: Final[Mapping[str, str]] = {
     Encounter.SINGLE_AS_PRINTED: "Table 1 as printed",
     Encounter.SINGLE_106: "azimuth 106 deg",
     Encounter.SINGLE_106_10: "direction (106.1, 10.4) deg",
@@ -20,30 +20,30 @@ READING: Final[Mapping[str, str]] = {
     Encounter.MULTI_O2_UP: "O_2 climbing at +15.4 deg",
 }
 
-METHOD: Final[Mapping[str, str]] = words.METHODS | {
+METHOD_WORDS: Final[Mapping[str, str]] = words.METHOD_NAMES | {
     Method.LEAST_DEFLECTION: "least deflection",
     Method.DROAM_HP_LEFT: "DROAM/HP left",
     Method.DROAM_HP_RIGHT: "DROAM/HP right",
     Method.DROAM_VP_UP: "DROAM/VP up",
     Method.DROAM_VP_DOWN: "DROAM/VP down",
 }
-RUNG: Final[Mapping[str, str]] = {Rung.KINEMATIC: "on rails", Rung.JSBSIM: "flown"}
+RUNG_WORDS: Final[Mapping[str, str]] = {Rung.KINEMATIC: "on rails", Rung.JSBSIM: "flown"}
 
 
 def say(value: float, unit: str = "") -> str:
     """``-3.8 m``; ``none`` for what does not exist. Plain characters, for a CSV."""
-    return _plain(words.number(value, PLACES.get(unit, 2), unit)) if math.isfinite(value) else NONE
+    return _plain(words.number(value, DECIMALS.get(unit, 2), unit)) if math.isfinite(value) else NO_FIGURE
 
 
 def percent(value: float) -> str:
     """A share; ``none`` for what does not exist."""
-    return words.percent(value) if math.isfinite(value) else NONE
+    return words.percent(value) if math.isfinite(value) else NO_FIGURE
 
 
 def interval(effect: Effect) -> str:
     """``0.42 deg (0.31 to 0.50, 1000 pairs)``."""
     if effect.n == 0:
-        return NONE
+        return NO_FIGURE
     bounds = f"{say(effect.low)} to {say(effect.high)}, " if math.isfinite(effect.low) else ""
     return f"{say(effect.value, effect.unit)} ({bounds}{effect.n} pairs)"
 
@@ -54,4 +54,4 @@ def _plain(text: str) -> str:
 
 def reading(encounter: str) -> str:
     """An encounter in words."""
-    return READING.get(encounter, encounter)
+    return READING_WORDS.get(encounter, encounter)

@@ -15,20 +15,20 @@ from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, H
 from testbed.studies.scoam.labels import DRAWN, MAIN, SIDES, Axis, Encounter, Method, Part, Rung
 from testbed.studies.scoam.verdict import robustness
 from testbed.studies.scoam.verdict.ablation import in_turbulence, in_wind, lesser_side
-from testbed.studies.scoam.verdict.csv_words import METHOD, percent, reading, say
+from testbed.studies.scoam.verdict.csv_words import METHOD_WORDS, percent, reading, say
 from testbed.studies.scoam.verdict.flights import Flights, Row, number
 from testbed.studies.scoam.verdict.rulings import AS_TAKEN, SHARE, Agreement, agreement
 
-READINGS: Final[Mapping[str, Mapping[str, str]]] = {
+AUDIT_READINGS: Final[Mapping[str, Mapping[str, str]]] = {
     "table2": {Encounter.SINGLE_AS_PRINTED: "as_printed", Encounter.SINGLE_106: "azimuth_106", Encounter.SINGLE_106_10: "direction_106_10"},
     "table4": {Encounter.MULTI_AS_PRINTED: "as_printed", Encounter.MULTI_O2_UP: "o2_elevation_plus"},
 }
 """Encounters of a table and the audit's reading that each of them flies."""
 
-METHODS: Final[Mapping[str, str]] = {Method.SCOAM: "scoam", Method.DROAM_HP: "hp", Method.DROAM_VP: "vp"}
-QUANTITIES: Final = {"deflection": "deflection", "path_length": "length", "time": "time"}
+AUDIT_METHODS: Final[Mapping[str, str]] = {Method.SCOAM: "scoam", Method.DROAM_HP: "hp", Method.DROAM_VP: "vp"}
+AUDIT_QUANTITIES: Final = {"deflection": "deflection", "path_length": "length", "time": "time"}
 BESIDE: Final = {"deflection": ("flown_deflection_deg", "peak_deflection_deg"), "time": ("clear_time_s",), "path_length": ()}
-SHOWN: Final = {
+QUANTITY_NAMES: Final = {
     "deflection": ("commanded deflection", "deg"),
     "path_length": ("path length from the route's start", "m"),
     "time": ("time from the trigger to the insertion point", "s"),
@@ -54,7 +54,7 @@ class Printed:
 
     @property
     def audit_key(self) -> str:
-        return f"t{self.table[-1]}.{METHODS[self.method]}_{QUANTITIES[self.quantity]}"
+        return f"t{self.table[-1]}.{AUDIT_METHODS[self.method]}_{AUDIT_QUANTITIES[self.quantity]}"
 
     @property
     def value(self) -> float:
@@ -66,7 +66,7 @@ class Printed:
 
     def tolerance(self, encounter: str) -> float:
         """Half a unit in the last printed place plus what the rounding of the inputs changes, by the audit."""
-        figure = self.audited.figures[READINGS[self.table][encounter]]
+        figure = self.audited.figures[AUDIT_READINGS[self.table][encounter]]
         return PRINTED[self.audit_key].half_ulp + (figure.half_width if math.isfinite(figure.half_width) else 0.0)
 
     def figure(self, row: Row | None) -> float:
@@ -107,11 +107,11 @@ class One:
 def numbers(flights: Flights) -> tuple[Claim, ...]:
     """Every printed number: the word that counts, then its readings (keys with ``@``)."""
     out: list[Claim] = []
-    for table in READINGS:
-        for method in METHODS:
-            for quantity in QUANTITIES:
+    for table in AUDIT_READINGS:
+        for method in AUDIT_METHODS:
+            for quantity in AUDIT_QUANTITIES:
                 printed = Printed(table, method, quantity)
-                by_reading = [(one, _claim(printed, one)) for e in READINGS[table] for one in [_one(flights, printed, e)]]
+                by_reading = [(one, _claim(printed, one)) for e in AUDIT_READINGS[table] for one in [_one(flights, printed, e)]]
                 out += [_merged(printed, by_reading), *(claim for _, claim in by_reading)]
     return tuple(out)
 
@@ -141,7 +141,7 @@ def _of_side(flights: Flights, printed: Printed, encounter: str, name: str, less
             *({n: _near(x, printed.value, tolerance) for n, x in found.items()} for found in (rails, flown))
         )
         words = (nominal, tuple(said))
-    unit = SHOWN[printed.quantity][1]
+    unit = QUANTITY_NAMES[printed.quantity][1]
     beside = [say(number(calm[Rung.JSBSIM], metric), unit) for metric in BESIDE[printed.quantity]]
     return One(
         encounter=encounter,
@@ -179,7 +179,9 @@ def _word(printed: Printed, one: One) -> tuple[Word, str, Agreement]:
     if not one.met_when_flown(value):
         return FAILS_WHEN_FLOWN, "", agreement(FAILS_WHEN_FLOWN, *one.words)
     agree = agreement(HOLDS, *one.words)
-    conditions = [] if READINGS[printed.table][one.encounter] == "as_printed" else [f"the encounter is that of {reading(one.encounter)}"]
+    conditions = (
+        [] if AUDIT_READINGS[printed.table][one.encounter] == "as_printed" else [f"the encounter is that of {reading(one.encounter)}"]
+    )
     conditions += [] if one.lesser else ["DROAM takes the side with the greater deflection"]
     if UNPRINTED.intersection(audited.assumptions) or not (agree.n and agree.share >= SHARE):
         conditions.append(AS_TAKEN)
@@ -188,11 +190,11 @@ def _word(printed: Printed, one: One) -> tuple[Word, str, Agreement]:
 
 def _claim(printed: Printed, one: One) -> Claim:
     word, condition, agree = _word(printed, one)
-    what, unit = SHOWN[printed.quantity]
+    what, unit = QUANTITY_NAMES[printed.quantity]
     return Claim(
         f"{printed.key}@{one.encounter}",
         f"Table {printed.table[-1]}",
-        f"{METHOD[printed.method]} {printed.quantity.replace('_', ' ')}",
+        f"{METHOD_WORDS[printed.method]} {printed.quantity.replace('_', ' ')}",
         PRINTED[printed.audit_key].text,
         unit,
         what,
@@ -220,10 +222,10 @@ def _claim(printed: Printed, one: One) -> Claim:
 
 
 def _why(printed: Printed, one: One, word: Word) -> str:
-    unit = SHOWN[printed.quantity][1]
+    unit = QUANTITY_NAMES[printed.quantity][1]
     if not math.isfinite(one.rails):
         return f"With {reading(one.encounter)} no re-plan was flown on rails, so there is no such number."
-    side = "" if printed.method == Method.SCOAM else f" ({METHOD[one.side]})"
+    side = "" if printed.method == Method.SCOAM else f" ({METHOD_WORDS[one.side]})"
     text = PRINTED[printed.audit_key].text
     said = [
         f"With {reading(one.encounter)} the flight on rails has {say(one.rails, unit)}{side} against {text} printed; "
@@ -237,7 +239,7 @@ def _why(printed: Printed, one: One, word: Word) -> str:
         said.append(f"Flown in calm air {say(one.calm, unit)}; {one.beside} until clear.")
     else:
         said.append(f"Flown in calm air {say(one.calm, unit)}.")
-    audited = printed.audited.figures[READINGS[printed.table][one.encounter]]
+    audited = printed.audited.figures[AUDIT_READINGS[printed.table][one.encounter]]
     if math.isfinite(audited.value) and abs(audited.value - one.rails) > one.tolerance:
         said.append(f"The paper's own equations, with the choices the audit names, give {say(audited.value, unit)}.")
     if not one.meets(printed.value) and FROM_RESULTS.intersection(printed.audited.met_by):
@@ -254,7 +256,7 @@ def _undecided(printed: Printed, one: One) -> str:
         return "The paper cites DROAM without its insertion point or its formula: a number that differs decides nothing."
     if math.isnan(one.drawn_range[0]):
         return "It depends on PH end derivatives that the paper does not print, and they were not varied."
-    low, high = (say(x, SHOWN[printed.quantity][1]) for x in one.drawn_range)
+    low, high = (say(x, QUANTITY_NAMES[printed.quantity][1]) for x in one.drawn_range)
     return f"Varying what is not printed gives {low} to {high}, which holds the print."
 
 
@@ -262,7 +264,7 @@ ORDER: Final = (HOLDS, HOLDS_ONLY_IF, FAILS_WHEN_FLOWN, NOT_DETERMINED, FAILS_KI
 
 
 def _merged(printed: Printed, readings: list[tuple[One, Claim]]) -> Claim:
-    """The reading that is kindest to the paper, of those with a number: the first in ``ORDER``, then in ``READINGS``."""
+    """The reading that is kindest to the paper, of those with a number: the first in ``ORDER``, then in ``AUDIT_READINGS``."""
     told = [(one, claim) for one, claim in readings if math.isfinite(one.rails)]
     if not told:
         _, claim = readings[-1]

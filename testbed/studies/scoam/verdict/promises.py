@@ -9,7 +9,7 @@ from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
 from testbed.studies.scoam.labels import DROAM, MAIN, MULTI, SIDES, SINGLE, Axis, Design, Method, Part, Rung
 from testbed.studies.scoam.verdict.ablation import costs, in_turbulence, in_wind, kinematic_cause, most_costly, waterfall
-from testbed.studies.scoam.verdict.csv_words import METHOD, reading, say
+from testbed.studies.scoam.verdict.csv_words import METHOD_WORDS, reading, say
 from testbed.studies.scoam.verdict.evidence import Found, Promise, gather
 from testbed.studies.scoam.verdict.flights import Flights, Row, clearance, keeps, label, number
 from testbed.studies.scoam.verdict.reach import Demand, Reach, demand, limits_of, pose
@@ -29,15 +29,15 @@ class Text:
     paper: str
 
 
-SAFE = Text("words.single.safe", "Section 5.1", "the re-planned path is safe", "the path is safe and flyable")
-FLYABLE = Text("words.single.flyable", "Section 5.1", "the re-planned path is flyable", "the path is safe and flyable")
-SEVERAL = Text(
+SAFE_TEXT = Text("words.single.safe", "Section 5.1", "the re-planned path is safe", "the path is safe and flyable")
+FLYABLE_TEXT = Text("words.single.flyable", "Section 5.1", "the re-planned path is flyable", "the path is safe and flyable")
+SEVERAL_TEXT = Text(
     "words.multi.safe",
     "Section 5.2",
     "several dynamic threats are avoided",
     "can realize the multiple dynamic threat obstacles avoidance",
 )
-OVERLOAD = Text(
+OVERLOAD_TEXT = Text(
     "words.overload",
     "Section 5.2",
     "dynamic limits such as the overload are met easily",
@@ -114,7 +114,7 @@ def flyable(flights: Flights, reach: Reach | None) -> Claim:
         cause = most_costly(costs(chain))[0] if chain else ""
     why = " ".join(part for part in (_asks(flights), _bound(nominal, reach), _strays(flights), *_left_out(found), _reason(found)) if part)
     what = "greatest of bank, load factor and roll rate over the aircraft's limit"
-    return _claim(flights, FLYABLE, SINGLE[0], found, what, "times the limit", _ratio, cause, why)
+    return _claim(flights, FLYABLE_TEXT, SINGLE[0], found, what, "times the limit", _ratio, cause, why)
 
 
 def _asks(flights: Flights) -> str:
@@ -168,7 +168,9 @@ def overload(flights: Flights) -> Claim:
     ]
     cause = "load factor" if found.ruling.word in (FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN) else ""
     why = " ".join(part for part in (*said, *_left_out(found, threats_only=True), _reason(found)) if part)
-    return _claim(flights, OVERLOAD, MULTI[0], found, "largest load factor", "g", lambda row: number(row, "max_load_factor"), cause, why)
+    return _claim(
+        flights, OVERLOAD_TEXT, MULTI[0], found, "largest load factor", "g", lambda row: number(row, "max_load_factor"), cause, why
+    )
 
 
 def _rivals(flights: Flights) -> str:
@@ -177,7 +179,7 @@ def _rivals(flights: Flights) -> str:
     for method in (side for plane in DROAM for side in SIDES[plane]):
         row = flights.one(Part.CALM, method, Rung.KINEMATIC, encounter=MULTI[0], flown_by=MAIN)
         if row is not None:
-            said.append(f"{say(number(row, 'max_load_factor'), 'g')} {METHOD[method].removeprefix('DROAM/')}")
+            said.append(f"{say(number(row, 'max_load_factor'), 'g')} {METHOD_WORDS[method].removeprefix('DROAM/')}")
     return f"; DROAM with {MAIN} for {listed(said)}" if said else ""
 
 
@@ -261,4 +263,4 @@ def _reason(found: Found) -> str:
 
 def promises(flights: Flights, reach: Reach | None) -> tuple[Claim, ...]:
     """The four of them, in the order of the paper. Several threats are several only where O_2 is one: its reading upwards."""
-    return (safe(flights, SAFE, SINGLE), flyable(flights, reach), safe(flights, SEVERAL, MULTI[1:]), overload(flights))
+    return (safe(flights, SAFE_TEXT, SINGLE), flyable(flights, reach), safe(flights, SEVERAL_TEXT, MULTI[1:]), overload(flights))

@@ -7,22 +7,22 @@ from testbed.studies.scoam.claim import Rank
 from testbed.studies.scoam.labels import DROAM, Axis, Method, Part, Rung
 from testbed.studies.scoam.verdict.flights import Flights, Row, clearance, keeps, label, number
 
-METHODS: Final = (Method.SCOAM, *DROAM, Method.LEAST_DEFLECTION)
-RUNGS: Final = (Rung.KINEMATIC, Rung.JSBSIM, Rung.DIRECT)
-PART: Final = Part.POPULATION
+RANKED_METHODS: Final = (Method.SCOAM, *DROAM, Method.LEAST_DEFLECTION)
+RANKED_RUNGS: Final = (Rung.KINEMATIC, Rung.JSBSIM, Rung.DIRECT)
+RANKED_PART: Final = Part.POPULATION
 
 Pairs = list[tuple[Row, Row]]
 
 
 def ranks(flights: Flights) -> tuple[Rank, ...]:
     """Of every method and rung that was flown, at threats only."""
-    every = [_rank(flights, rung, method) for rung in RUNGS for method in METHODS]
+    every = [_rank(flights, rung, method) for rung in RANKED_RUNGS for method in RANKED_METHODS]
     return tuple(rank for rank in every if rank.n)
 
 
 def threats(flights: Flights, method: str, rung: str) -> list[Row]:
     """The population's flights of a method on a rung in which a planner is needed."""
-    return [row for row in flights.pick(PART, method, rung) if flights.is_threat(row)]
+    return [row for row in flights.pick(RANKED_PART, method, rung) if flights.is_threat(row)]
 
 
 def with_scoam(flights: Flights, method: str, rung: str) -> Pairs:

@@ -9,7 +9,7 @@ from testbed.show.words import listed
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
 from testbed.studies.scoam.labels import DROAM, MAIN, Encounter, Method, Part, Rung
 from testbed.studies.scoam.verdict.comparisons import draw_words
-from testbed.studies.scoam.verdict.csv_words import METHOD, RUNG, percent, say
+from testbed.studies.scoam.verdict.csv_words import METHOD_WORDS, RUNG_WORDS, percent, say
 from testbed.studies.scoam.verdict.flights import Flights, clearance, keeps
 from testbed.studies.scoam.verdict.pairs import CLEARANCE, DEFLECTION, LENGTH, LOAD, gain, paired
 from testbed.studies.scoam.verdict.ranking import Pairs, safe_pairs, threats, with_scoam
@@ -18,8 +18,8 @@ from testbed.studies.scoam.verdict.rulings import Ruling, agreement, robust
 BETTER, WORSE, EQUAL, OPEN = "better", "worse", "equal", "open"
 ALPHA: Final = 0.05
 MEASURES: Final = (CLEARANCE, DEFLECTION, LENGTH, LOAD)
-SAFE: Final = "share that is safe"
-DRAWN: Final = Encounter.MULTI_O2_UP
+SAFE_SHARE: Final = "share that is safe"
+MULTI_DRAWN: Final = Encounter.MULTI_O2_UP
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def _safety(pairs: Mapping[Method, Pairs]) -> Criterion:
         found.append(OPEN if mcnemar(ours, theirs) >= ALPHA else BETTER if ours > theirs else WORSE)
     counts = [safe_pairs(pairs[plane]) for plane in DROAM]
     figures = f"pairs in which SCOAM alone is safe {counts[0][0]} and {counts[1][0]}, DROAM alone {counts[0][1]} and {counts[1][1]}"
-    return Criterion(SAFE, both(found), figures)
+    return Criterion(SAFE_SHARE, both(found), figures)
 
 
 def lies(effect: Effect, margin: float) -> str:
@@ -99,7 +99,7 @@ def superior(flights: Flights) -> Claim:
     """The claim of section 5.2, with the paired difference in clearance when flown as its effect."""
     rails, flown = criteria(flights, Rung.KINEMATIC), criteria(flights, Rung.JSBSIM)
     first = rule(rails, flown)
-    nominal, words = draw_words(flights, CLEARANCE, DROAM, DRAWN)
+    nominal, words = draw_words(flights, CLEARANCE, DROAM, MULTI_DRAWN)
     agree = agreement(first.word, nominal, words)
     ruling = robust(first, agree)
     rung = Rung.JSBSIM if flown and first.word != FAILS_KINEMATICALLY else Rung.KINEMATIC
@@ -110,7 +110,7 @@ def superior(flights: Flights) -> Claim:
         "the superiority of the space SCOAM",
         "m",
         "least clearance of SCOAM minus that of the better DROAM",
-        DRAWN,
+        MULTI_DRAWN,
         MAIN,
         _nominal(flights, Rung.KINEMATIC),
         _nominal(flights, Rung.POINT_MASS),
@@ -130,7 +130,7 @@ def _effect(flights: Flights, rung: str) -> Effect:
     """SCOAM's clearance minus that of the plane that does better in the median."""
     found = [
         median(
-            f"median of SCOAM's clearance minus that of {METHOD[plane]}, {RUNG[rung]}",
+            f"median of SCOAM's clearance minus that of {METHOD_WORDS[plane]}, {RUNG_WORDS[rung]}",
             "m",
             (clearance(a) - clearance(b) for a, b in with_scoam(flights, plane, rung)),
         )
@@ -142,7 +142,7 @@ def _effect(flights: Flights, rung: str) -> Effect:
 
 def _nominal(flights: Flights, rung: str) -> float:
     """In the encounter of section 5.2 that is one, in calm air: against the better of all four sides."""
-    found = paired(flights, CLEARANCE, Part.CALM, rung, DROAM, encounter=DRAWN, flown_by=MAIN)
+    found = paired(flights, CLEARANCE, Part.CALM, rung, DROAM, encounter=MULTI_DRAWN, flown_by=MAIN)
     return found.differences[0] if found.differences else NAN
 
 
@@ -150,7 +150,7 @@ def _why(flights: Flights, rails: list[Criterion], flown: list[Criterion], rulin
     said = []
     for rung, name, found in ((Rung.KINEMATIC, "On rails", rails), (Rung.JSBSIM, "Flown", flown)):
         if found:
-            shares = [f"{percent(_share(flights, method, rung))} ({METHOD[method]})" for method in (Method.SCOAM, *DROAM)]
+            shares = [f"{percent(_share(flights, method, rung))} ({METHOD_WORDS[method]})" for method in (Method.SCOAM, *DROAM)]
             told = [f"{verdict} in {listed(_named(found, verdict))}" for verdict in (BETTER, WORSE) if _named(found, verdict)]
             said.append(
                 f"{name} {listed(shares)} of the threats are kept clear; SCOAM is {' and '.join(told) or 'neither better nor worse'}."
