@@ -74,7 +74,7 @@ class Planner(Protocol):
     """
 
     slowest_s: float
-    """Wall-clock seconds of the slowest answer; not part of the result."""
+    """Processor seconds of the slowest answer, so that a busy computer counts no other work; not part of the result."""
 
     def start(self, context: Context) -> Any:
         """Fresh memory."""

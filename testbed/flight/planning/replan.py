@@ -26,7 +26,7 @@ all this with the velocities over the ground, as if the present ground speed cou
 import inspect
 import math
 from collections.abc import Mapping, Sequence
-from time import perf_counter
+from time import thread_time
 from typing import Any, NamedTuple
 
 from testbed.core.frames import Vec3, vec3
@@ -62,7 +62,7 @@ class Replanner:
     """The planner of one flight. ``start`` tells it which; what it remembers goes in and comes out."""
 
     def __init__(self) -> None:
-        self.slowest_s = 0.0  # wall-clock seconds of the slowest answer, from the threats to the new path
+        self.slowest_s = 0.0  # processor seconds of the slowest answer, from the threats to the new path
 
     def start(self, context: Context) -> Memory:
         self._context, self._settings = context, context.replan
@@ -98,7 +98,7 @@ class Replanner:
 
     def _answer(self, memory: Memory, time_s: float, state: State, sightings: Sequence[Sighting], path: Path, s_m: float) -> Step:
         """Decide on the avoidance and plan the path that does it; all threats count, old and new."""
-        began = perf_counter()
+        began = thread_time()
         own, wind = self._own(time_s, state)
         threats = [sighting for sighting in sightings if sighting.obstacle.is_threat]
         major = min(threats, key=lambda sighting: time_of_collision(own, sighting))
@@ -114,7 +114,7 @@ class Replanner:
         if new is not None:
             holds = insertion is None or self._settings.rejoin.when == "clear"
             memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf)
-        self.slowest_s = max(self.slowest_s, perf_counter() - began)
+        self.slowest_s = max(self.slowest_s, thread_time() - began)
         event = make_event(time_s, decision, kind, own, major, answer, insertion, new, wind, passing, status=Decision.STEERED)
         if memory.law is not None:
             return self._steer(memory, time_s, state, [sighting.seen for sighting in sightings], s_m)._replace(event=event)
