@@ -1,0 +1,11 @@
+"""The command line: parses, calls one function, turns what can go wrong into exit codes. A command is a function in a file here."""
+
+from testbed.cli.shell import app  # isort: split
+from testbed.cli import runs, parts, aircraft  # noqa: I001 (the order of `testbed --help`)
+
+__all__ = ["aircraft", "app", "main", "parts", "runs"]
+
+
+def main() -> None:
+    """Entry point of the ``testbed`` command."""
+    app()

@@ -1,0 +1,92 @@
+"""Commands about aircraft."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+import typer.core
+import typer.main
+
+from testbed.cli.shell import CRASHED, app, bad_input, fail, say
+
+
+@app.command()
+def tune(
+    name: Annotated[str, typer.Argument(metavar="AIRCRAFT")],
+    write: Annotated[bool, typer.Option("--write/--dry-run", help="Write the gains that were found into aircraft.yaml.")] = True,
+    accept: Annotated[bool, typer.Option("--accept", help="Take the best gains even if none pass, and write what they missed.")] = False,
+) -> None:
+    """Find an aircraft's gains: linearise, place the loops, identify the lags, verify in steps; slower ones where that fails."""
+    with bad_input():
+        _need_aircraft(name)
+        if write:
+            _refuse_installed(name)
+        from testbed.airframe.tune import TuneFailedError
+        from testbed.airframe.tune import tune as find
+
+        try:
+            say(find(name, write, accept))
+        except TuneFailedError as problem:
+            fail(str(problem), CRASHED)
+
+
+class _DataSheetFirst(typer.core.TyperGroup):
+    """``aircraft NAME`` is short for ``aircraft sheet NAME``."""
+
+    def resolve_command(self, ctx, args):  # type: ignore[no-untyped-def]
+        if args and args[0] not in self.commands:
+            args = ["sheet", *args]
+        return super().resolve_command(ctx, args)
+
+
+aircraft = typer.Typer(cls=_DataSheetFirst, no_args_is_help=True, help="An aircraft's data sheet (`aircraft NAME`), or a new aircraft.")
+app.add_typer(aircraft, name="aircraft")
+
+
+@aircraft.command()
+def sheet(
+    name: Annotated[str, typer.Argument(metavar="NAME")],
+    out: Annotated[Path, typer.Option(help="Where the page goes.")] = Path("reports/runs/aircraft"),
+) -> None:
+    """Write an aircraft's data sheet: trims, limits, modes, step responses. `aircraft NAME` does the same."""
+    with bad_input():
+        _need_aircraft(name)
+        from testbed.airframe.data_sheet import write_data_sheet
+        from testbed.flight.plants.base import TrimFailedError
+
+        try:
+            say(str(write_data_sheet(name, out)))
+        except TrimFailedError as problem:
+            fail(f"{name}: {problem}", CRASHED)
+
+
+@aircraft.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="What the aircraft is to be called here.")],
+    wheel: Annotated[str | None, typer.Option(metavar="MODEL", help="An aircraft that JSBSim's wheel ships.")] = None,
+    path: Annotated[Path | None, typer.Option(metavar="PATH", help="Or a JSBSim file of yours, or its folder.")] = None,
+    speed: Annotated[float | None, typer.Option(metavar="MPS", help="Reference airspeed; default: picked from the trims.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of aircraft to write into; default the project's.")] = None,
+) -> None:
+    """Write the aircraft.yaml of a JSBSim model: trims, limits, every number marked by where it is from. `tune` finds its gains."""
+    with bad_input():
+        from testbed.airframe.new import NewAircraftError, add_aircraft
+
+        try:
+            say(add_aircraft(name, wheel, path, speed, out))
+        except NewAircraftError as problem:
+            fail(str(problem))
+
+
+def _need_aircraft(name: str) -> None:
+    from testbed.core.catalogue import aircraft_folders
+
+    if name not in (known := aircraft_folders()):
+        fail(f"no aircraft '{name}'; there are: {', '.join(known) or 'none'} (`testbed --aircraft-path DIR` looks elsewhere too)")
+
+
+def _refuse_installed(name: str) -> None:
+    from testbed.core.catalogue import aircraft_folders, is_installed
+
+    if is_installed(folder := aircraft_folders()[name]):
+        fail(f"{name} belongs to the installed package, which is not written to: copy {folder} to aircraft/{name}, or take --dry-run")

@@ -1,0 +1,58 @@
+"""Commands about what a campaign can name."""
+
+from typing import Annotated, Literal
+
+import typer
+import typer.core
+import typer.main
+
+from testbed.cli.shell import CRASHED, app, bad_input, fail, say
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of a campaign, for editors."""
+    from testbed.campaign import schema as campaign_schema
+
+    say(campaign_schema().rstrip("\n"))
+
+
+@app.command("list")
+def list_parts(
+    what: Annotated[Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic"] | None, typer.Argument()] = None,
+) -> None:
+    """What a campaign can name: one name a line, or everything."""
+    from testbed.core import registry
+    from testbed.core.catalogue import aircraft_folders
+
+    parts: dict[str, list[str]] = {"aircraft": list(aircraft_folders())}
+    parts |= {family.plural: registry.names(family.name) for family in registry.FAMILIES.values() if family.name != "study"}
+    say("\n".join(parts[what]) if what else "\n".join(f"{kind + ':':10} {', '.join(names)}" for kind, names in parts.items()))
+
+
+@app.command()
+def check(
+    family: Annotated[Literal["method", "guidance", "planner"], typer.Argument(metavar="FAMILY", help="method, guidance or planner.")],
+    kind: Annotated[str, typer.Argument(help="A name, or FILE:NAME in a file of your own: tangent:avoid is avoid in ./tangent.py.")],
+    option: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="An option of the part, YAML value.")] = None,
+) -> None:
+    """Try what a part promises, and say in words what it breaks; exit 1 when it breaks anything."""
+    with bad_input():
+        from testbed.contracts.check import CheckError, given_options
+        from testbed.contracts.check import check as tried
+
+        try:
+            promised, lines = tried(family, kind, given_options(option or ()))
+        except CheckError as problem:
+            fail(str(problem))
+    for line in lines:
+        say(line)
+    raise typer.Exit(0 if promised else CRASHED)
+
+
+@app.command()
+def bench() -> None:
+    """Time a flight against the bare stepping of its plant, side by side."""
+    from testbed.run.bench import bench as measure
+
+    say(measure())

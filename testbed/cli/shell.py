@@ -1,0 +1,113 @@
+"""The command itself: its options, how it speaks, and how what goes wrong becomes an exit code.
+
+0: all ran. 1: some flight crashed, a check was missed, or a replay differs. 2: bad input. 130: interrupted.
+"""
+
+import contextlib
+import functools
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Annotated, Any, NoReturn, TextIO
+
+import typer
+import typer.core
+import typer.main
+
+
+class _WithPlugged(typer.core.TyperGroup):
+    """The commands below, and those that are plugged in, which are looked for only where no other has the name."""
+
+    def list_commands(self, ctx: typer.Context) -> list[str]:  # type: ignore[override]
+        from testbed.core import registry
+
+        return list(dict.fromkeys([*super().list_commands(ctx), *registry.names("command")]))
+
+    def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:  # type: ignore[override]
+        from testbed.core import plugins, registry
+
+        if (own := super().get_command(ctx, cmd_name)) is not None:
+            return own
+        with contextlib.suppress(registry.UnknownPartError, plugins.PluginError):
+            plugged = typer.Typer(pretty_exceptions_enable=False, add_completion=False)
+            plugged.command(cmd_name)(_printing(registry.part("command", cmd_name)))
+            return typer.main.get_command(plugged)
+        return None
+
+
+def _printing(command: Callable[..., Iterable[str]]) -> Callable[..., None]:
+    """A command that is plugged in, with its lines printed, and its bad input told like everybody's."""
+
+    @functools.wraps(command)
+    def call(*arguments: Any, **options: Any) -> None:
+        with bad_input():
+            for line in command(*arguments, **options):
+                say(line)
+
+    return call
+
+
+app = typer.Typer(
+    cls=_WithPlugged, pretty_exceptions_enable=False, no_args_is_help=True, help="Fly avoidance campaigns and look at what came out."
+)
+
+CRASHED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+
+def say(text: str, stream: TextIO | None = None) -> None:
+    """Print; a reader that has gone away (``| head``) is no reason to fail."""
+    stream = stream or sys.stdout
+    try:
+        print(text, file=stream, flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def fail(text: str, code: int = BAD_INPUT) -> NoReturn:
+    """Say what is wrong, and exit."""
+    say(text, sys.stderr)
+    raise typer.Exit(code)
+
+
+@contextlib.contextmanager
+def bad_input() -> Iterator[None]:
+    """Say what is wrong with the input, without a traceback."""
+    from testbed.campaign import SpecError
+    from testbed.run.directory import BadInputError
+    from testbed.run.engines import EngineError
+
+    try:
+        yield
+    except (SpecError, BadInputError, EngineError) as problem:
+        fail(str(problem))
+    except OSError as problem:  # a disk that is full, a folder that is read-only
+        fail(": ".join(str(part) for part in (problem.filename, problem.strerror or problem) if part is not None))
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        say(f"testbed {version('vosc-testbed')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    context: typer.Context,
+    _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+    aircraft_path: Annotated[
+        list[Path] | None, typer.Option(metavar="DIR", help="Look for aircraft here too: folders with an aircraft.yaml in them.")
+    ] = None,
+) -> None:
+    from testbed.core.catalogue import add_aircraft_path, aircraft_beside
+
+    context.with_resource(aircraft_beside(Path()))
+    if aircraft_path:
+        with bad_input():
+            for root in aircraft_path:
+                try:
+                    add_aircraft_path(root)
+                except FileNotFoundError as problem:
+                    fail(str(problem))
