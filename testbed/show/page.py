@@ -51,7 +51,7 @@ def render_page(
         .get_template("index.html.j2")
         .render(
             campaign=campaign,
-            head=head,
+            page_head=head,
             axes=listed_axes,
             sentences=campaign_summary.verdict(checks) + (campaign_summary.sentences(rows, matched) if rows else ["No flight was flown."]),
             cards=campaign_summary.cards(rows) if rows else [],

@@ -18,7 +18,7 @@ from testbed.results.statistics import Effect, Spread
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
 from testbed.studies.scoam.claim import VERDICT_WORDS, Claim, Control, Rank, Step, Waterfall
-from testbed.studies.scoam.page import bars, detail, paragraphs, picture_data, render, table
+from testbed.studies.scoam.page import bars, detail, picture_data, quotable, render, table
 from tests.show.test_page import NASTY, PROVENANCE, campaign, flight, parsed
 
 MakeRecord = Callable[..., FlightRecord]
@@ -129,7 +129,7 @@ def test_a_number_has_the_decimals_that_the_paper_prints(verdict: SimpleNamespac
 
 
 def test_the_sentences_count_and_name_what_the_claims_are(verdict: SimpleNamespace) -> None:
-    told = {heading: " ".join(sentences) for heading, sentences, _ in paragraphs.paragraphs(verdict)}
+    told = {heading: " ".join(sentences) for heading, sentences, _ in quotable.paragraphs(verdict)}
     short = told["In short"]
     assert short.startswith("Of the paper's claims in words, 5 in all, 1 holds (text of words.0), 1 holds only under a condition")
     assert "Of the numbers in its tables, 2 in all, 1 holds only under a condition and 1 fails kinematically" in short
@@ -158,7 +158,7 @@ def test_no_number_of_the_sentences_is_the_programs_own(verdict: SimpleNamespace
         for k, one in enumerate(verdict.claims[-5:])
     ]  # fmt: skip
     nothing = SimpleNamespace(claims=bare, waterfalls=(), controls=(), ranks=(), cases=(), air=(), counted=())
-    text = " ".join(sentence for _, sentences, _ in paragraphs.paragraphs(nothing) for sentence in sentences)
+    text = " ".join(sentence for _, sentences, _ in quotable.paragraphs(nothing) for sentence in sentences)
     assert re.findall(r"\d+", text) == ["5", *["1"] * 5]
 
 

@@ -10,7 +10,7 @@ from testbed.show.assets import PageHead, asset, environment, packed_json
 from testbed.show.campaign_summary import Row
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Waterfall
 from testbed.studies.scoam.page import bars, detail, paper_names, picture_data, table
-from testbed.studies.scoam.page.paragraphs import paragraphs
+from testbed.studies.scoam.page.quotable import paragraphs
 
 if TYPE_CHECKING:
     from testbed.studies.scoam.verdict.judged import Verdict

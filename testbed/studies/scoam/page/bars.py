@@ -10,7 +10,7 @@ from testbed.show import words
 from testbed.show.words import named, number
 from testbed.studies.scoam.claim import Rank, Waterfall
 from testbed.studies.scoam.page.paper_names import METHOD_NAMES, STEP_NAMES
-from testbed.studies.scoam.page.paragraphs import signed
+from testbed.studies.scoam.page.quotable import signed
 
 WIDTH, NAMES, ROW, TOP, BOTTOM = 500, 186, 26, 6, 36  # px of the drawing; NAMES: the column of names on the left
 RIGHT = 44

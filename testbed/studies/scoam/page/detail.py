@@ -12,7 +12,7 @@ from testbed.studies.scoam.claim import Control, Rank, Waterfall
 from testbed.studies.scoam.labels import Design, Method, Part, Rung
 from testbed.studies.scoam.page import paper_names
 from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, LIMIT_NAMES, METHOD_NAMES, READING_NAMES, RUNG_NAMES, RUNG_NAMES_IN_AIR
-from testbed.studies.scoam.page.paragraphs import p_value
+from testbed.studies.scoam.page.quotable import p_value
 
 if TYPE_CHECKING:
     from testbed.studies.scoam.verdict.judged import AirCell, Case
