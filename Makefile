@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time aircraft-table test fast wheel-test bench report docs lock clean
+.PHONY: help paper paper-full verify lead-time aircraft-table test fast wheel wheel-test bench report docs lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -60,6 +60,9 @@ fast: $(STAMP) ## the tests that take no longer than a second
 
 # For who releases: not part of `make test`, because the packages of other Pythons are not in the lock.
 PYTHONS ?=
+wheel: $(STAMP) ## build the wheel into dist/
+	$(BIN)/python -m hatchling build -t wheel
+
 wheel-test: $(STAMP) ## install the wheel into empty environments of Python 3.11, 3.12, 3.13 (or PYTHONS="...") and fly a study there
 	$(BIN)/python tests/package/on_each_python.py $(PYTHONS)
 
