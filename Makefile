@@ -58,11 +58,11 @@ test: $(STAMP) ## style, types, import order, all tests
 fast: $(STAMP) ## the tests that take no longer than a second
 	$(BIN)/pytest -n auto -m "not slow and not browser and not viewer"
 
-# For who releases: not part of `make test`, because the packages of other Pythons are not in the lock.
-PYTHONS ?=
 wheel: $(STAMP) ## build the wheel into dist/
 	$(BIN)/python -m hatchling build -t wheel
 
+# For who releases: not part of `make test`, because the packages of other Pythons are not in the lock.
+PYTHONS ?=
 wheel-test: $(STAMP) ## install the wheel into empty environments of Python 3.11, 3.12, 3.13 (or PYTHONS="...") and fly a study there
 	$(BIN)/python tests/package/on_each_python.py $(PYTHONS)
 
