@@ -15,7 +15,7 @@ from testbed.flight.fly import fly
 from testbed.flight.record import AVOIDING, FlightRecord, Outcome
 from testbed.flight.traffic.track import least_clearance
 
-PLANTS = ("kinematic", "point_mass")
+PLANTS_TRIED = ("kinematic", "point_mass")
 ROUTE = {"start_enu_m": [0, 0, 0], "goal_enu_m": [900, 0, 0], "start_direction_deg": [0, 0], "goal_direction_deg": [0, 0]}
 
 
@@ -46,7 +46,7 @@ def promises_of_law(kind: str, _part: Any, options: Mapping[str, Any]) -> list[P
 
 
 def _promises(parts: dict[str, Any]) -> list[Promise]:
-    cases = [(f"{encounter}, {plant}", _plan(parts, encounter, plant)) for encounter, plant in product(ENCOUNTERS, PLANTS)]
+    cases = [(f"{encounter}, {plant}", _plan(parts, encounter, plant)) for encounter, plant in product(ENCOUNTERS, PLANTS_TRIED)]
     records: dict[str, FlightRecord] = {}
 
     def flown(name: str, plan: FlightPlan) -> str:

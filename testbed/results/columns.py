@@ -28,7 +28,7 @@ class Kind(StrEnum):
 
 
 _KINDS: Final[dict[Any, Kind]] = {str: Kind.TEXT, int: Kind.WHOLE, float: Kind.NUMBER, bool | None: Kind.FLAG}
-NOTHING: Final[dict[Kind, Any]] = {Kind.TEXT: "", Kind.WHOLE: 0, Kind.NUMBER: math.nan, Kind.FLAG: None}
+NOT_MEASURED: Final[dict[Kind, Any]] = {Kind.TEXT: "", Kind.WHOLE: 0, Kind.NUMBER: math.nan, Kind.FLAG: None}
 """What stands in a column where nothing was measured."""
 
 
@@ -238,4 +238,4 @@ def axis_column(axis: str, kind: Kind) -> Column:
 
 def nothing_measured() -> dict[str, Any]:
     """The metrics of a flight that the program failed to fly, its outcome apart."""
-    return {column.name: NOTHING[column.kind] for column in METRICS}
+    return {column.name: NOT_MEASURED[column.kind] for column in METRICS}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from testbed import fly
-from testbed.flight.record.signals import OBSTACLE, SIGNALS, signal_of
+from testbed.flight.record.signals import OBSTACLE_PREFIX, SIGNALS, signal_of
 from tests.plans import KINEMATIC, paper_obstacle, plan
 
 UNITS = {"_mps": "m/s", "_radps": "rad/s", "_rad": "rad", "_s": "s", "_m": "m"}
@@ -16,7 +16,7 @@ def record():
 
 
 def test_a_flight_has_the_signals_that_are_declared_and_no_other(record):
-    assert [name.replace("obstacle.O-2.", OBSTACLE) for name in record.columns] == [signal.name for signal in SIGNALS]
+    assert [name.replace("obstacle.O-2.", OBSTACLE_PREFIX) for name in record.columns] == [signal.name for signal in SIGNALS]
     n = len(record.columns["time_s"])
     for name, values in record.columns.items():
         parts = len(signal_of(name).parts)

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 Array = np.ndarray
-OBSTACLE: Final = "obstacle.<name>."
+OBSTACLE_PREFIX: Final = "obstacle.<name>."
 
 
 class Signal(NamedTuple):
@@ -52,16 +52,16 @@ SIGNALS: Final = (
     Signal("path.leg", "", "", "Number of the piece of that path, from 0."),
     Signal("path.s_m", "m", "", "Arc length of the point of the active path that is nearest, exact."),
     Signal("path.cross_track_m", "m", "", "Distance in space to that point."),
-    Signal(f"{OBSTACLE}pos_enu_m", "m", "xyz", "Place of the obstacle's centre, as it truly was; NaN while it is not there."),
-    Signal(f"{OBSTACLE}vel_enu_mps", "m/s", "xyz", "Its velocity over the ground."),
-    Signal(f"{OBSTACLE}clearance_m", "m", "", "Distance to its surface; negative: inside."),
+    Signal(f"{OBSTACLE_PREFIX}pos_enu_m", "m", "xyz", "Place of the obstacle's centre, as it truly was; NaN while it is not there."),
+    Signal(f"{OBSTACLE_PREFIX}vel_enu_mps", "m/s", "xyz", "Its velocity over the ground."),
+    Signal(f"{OBSTACLE_PREFIX}clearance_m", "m", "", "Distance to its surface; negative: inside."),
 )  # fmt: skip
 _BY_NAME = {signal.name: signal for signal in SIGNALS}
 
 
 def signal_of(column: str) -> Signal:
     """What a column of a record is. ``KeyError`` for one that is not declared."""
-    named = f"{OBSTACLE}{column.rpartition('.')[2]}" if column.startswith("obstacle.") else column
+    named = f"{OBSTACLE_PREFIX}{column.rpartition('.')[2]}" if column.startswith("obstacle.") else column
     return _BY_NAME[named]
 
 

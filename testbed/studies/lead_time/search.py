@@ -16,7 +16,7 @@ from testbed.studies.lead_time.open_loop import best_lead, manoeuvres
 from testbed.studies.lead_time.options import LeadTime
 from testbed.studies.lead_time.searched_encounter import Encounter, at_lead, drawn
 
-LOST = (Outcome.DIVERGED, Outcome.HIT_GROUND, Outcome.TRIM_FAILED)
+LOST_OR_UNTRIMMED = (Outcome.DIVERGED, Outcome.HIT_GROUND, Outcome.TRIM_FAILED)
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def clearance_at(plan: FlightPlan, encounter: Encounter, lead_s: float) -> float
     if lead_s <= encounter.entry_s:
         return float(np.linalg.norm(encounter.miss_m)) - encounter.radius_m
     record = fly(at_lead(plan, encounter, lead_s), Decided)
-    if record.outcome in LOST or not len(record.columns["time_s"]):
+    if record.outcome in LOST_OR_UNTRIMMED or not len(record.columns["time_s"]):
         return -encounter.radius_m
     return closest_approach(record).clearance_m
 
