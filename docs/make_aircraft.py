@@ -63,6 +63,14 @@ Dryden turbulence. No number was set by hand. {flown} of {all} fly it: they reac
 """
 
 
+NOTES = """
+Why those that do not trim do not: the engine of the C130 is a turbine that hands its thrust to a propeller as if that were power, and
+pulls with a few hundred newtons at full throttle; the tanks of the X15 are empty, and its rocket gives nothing; the thrust of the p51d
+is the same at every throttle, since its file takes the throttle from a property of FlightGear's. The Camel is statically unstable in
+pitch where it flies.
+"""
+
+
 class Row(NamedTuple):
     """One model: the cells of the table, whether it flew, or why not."""
 
@@ -117,7 +125,7 @@ def main() -> None:
         return
     flown = sum(one.flew for one in rows)
     head = HEAD.format(laps=LAPS, straight=STRAIGHT_S, radii=RADII, flown=flown, all=len(rows))
-    (HERE / "aircraft.md").write_text(head + "\n".join(one.text for one in rows) + "\n", encoding="utf-8")
+    (HERE / "aircraft.md").write_text(head + "\n".join(one.text for one in rows) + "\n" + NOTES, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -103,7 +103,7 @@ def test_the_load_factor_is_that_of_the_rule() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("model", ["c310", "pa28"])
+@pytest.mark.parametrize("model", ["c182", "pa28"])
 def test_a_model_that_jsbsim_s_trim_fails_on_becomes_an_aircraft_that_flies(
     model: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
