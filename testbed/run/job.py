@@ -49,6 +49,7 @@ def run_job(job: Job) -> JobResult:
 def crashed(job: Job, message: str, details: str) -> JobResult:
     """The row of a flight that the program failed to fly."""
     metrics = nothing_measured() | {"outcome": Outcome.CRASHED.value}
+    message, details = (text.encode("utf-8", "backslashreplace").decode() for text in (message, details))  # half a character is no text
     return JobResult(_identity(job.plan) | metrics | _story([], message, details, None), None, {})
 
 

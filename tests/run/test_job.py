@@ -67,3 +67,16 @@ def test_a_bug_anywhere_is_a_row_with_its_traceback(plan, monkeypatch, stage):
     assert result.row["flight_id"] == plan.flight_id
     assert math.isnan(result.row["least_clearance_m"])
     assert journal.decode(journal.encode(result)).row["events"] == []
+
+
+def test_a_message_that_is_no_text_is_a_row_all_the_same(plan, monkeypatch):
+    """A lone surrogate, as Python makes of bytes that are not UTF-8, would cost the journal and the page."""
+
+    def fails(_):
+        raise RuntimeError("bytes \udc80 from somewhere")
+
+    monkeypatch.setattr("testbed.flight.fly.fly", fails)
+    result = run_job(Job(plan))
+    assert result.row["outcome"] == "crashed"
+    assert "bytes \\udc80 from" in result.row["message"]
+    assert journal.decode(journal.encode(result)).row["message"] == result.row["message"]
