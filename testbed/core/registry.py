@@ -20,6 +20,9 @@ from typing import Any
 
 from testbed.core import plugins
 
+PACKAGE = "=="
+"""Ends the name of a distribution among the origins of parts; a plug-in's file has no such name."""
+
 
 @dataclass(frozen=True)
 class Family:
@@ -102,8 +105,15 @@ def origins(kinds: Iterable[tuple[str, str]]) -> dict[str, str]:
         elif kind not in _built_in(family) and kind in (installed := _installed(family)):
             dist = installed[kind].dist
             if dist is not None:
-                found[f"{dist.name}=="] = dist.version
+                found[f"{dist.name}{PACKAGE}"] = dist.version
     return dict(sorted(found.items()))
+
+
+@cache
+def once_said() -> Mapping[str, Any]:
+    """What studies had a plan of an ordinary flight say in former versions, so that its id is that of before."""
+    said: Mapping[str, Any] = _imported("testbed.studies:ONCE_SAID")
+    return said
 
 
 @cache

@@ -4,13 +4,14 @@ import json
 from typing import Any
 
 from testbed.campaign.words.settings import Campaign
+from testbed.core.registry import PACKAGE
 from testbed.run import identity
 from testbed.run.directory import MANIFEST, STUDY_FILES, BadInputError, RunDirectory
 from testbed.run.world import World
 
-IDENTITY_KEYS = ("plan", "code", "versions", "plugins", "aircraft")
+IDENTITY_KEYS = ("plan", "code", "versions", "plugins", "packages", "aircraft")
 
-GUESTS = {"plugins": "plug-in", "aircraft": "aircraft"}
+GUESTS = {"plugins": "plug-in", "packages": "package", "aircraft": "aircraft"}
 """What a campaign brings with it, to the word for it in messages."""
 
 Manifest = dict[str, Any]
@@ -31,6 +32,12 @@ def fingerprint(plan: Any, world: World) -> Fingerprint:
         "code": identity.code_hash(),
         "versions": identity.versions(),
         "plugins": {plugin.name: plugin.sha256 for plugin in world.plugins},
+        "packages": {
+            name.removesuffix(PACKAGE): version
+            for flight in plan["flights"]
+            for name, version in flight["plugins"].items()
+            if name.endswith(PACKAGE)
+        },
         "aircraft": identity.guests(flight["aircraft"] for flight in plan["flights"]),
     }
 
@@ -108,9 +115,9 @@ def _flown(names: Fingerprint, plan: dict[str, Any]) -> Fingerprint:
 
 
 def _changed(word: str, there: dict[str, str], now: dict[str, str]) -> list[str]:
-    """What of one kind the campaign brings otherwise than the run did, by the beginnings of hashes."""
+    """What of one kind the campaign brings otherwise than the run did: versions, or hashes by their beginnings."""
     return [
-        f"{word} {name}: {there.get(name, 'nothing')[:12]} there, {now.get(name, 'nothing')[:12]} now (its files changed)"
+        f"{word} {name}: {there.get(name, 'nothing')[:12]} there, {now.get(name, 'nothing')[:12]} now"
         for name in dict.fromkeys([*there, *now])
         if there.get(name) != now.get(name)
     ]

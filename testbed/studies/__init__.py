@@ -9,6 +9,9 @@ STUDIES: dict[str, str] = {
     "lead_time": "testbed.studies.lead_time.study:LeadTimeStudy",
 }
 
+ONCE_SAID = {"lead_time": None}
+"""What was said of an ordinary flight before there were studies, and is part of its identity still: it is the same flight."""
+
 COMMANDS: dict[str, str] = {
     "audit": "testbed.studies.scoam.audit.command:audit",
 }

@@ -164,3 +164,38 @@ def test_two_texts_of_one_name_are_held_apart(tmp_path: Path) -> None:
         hashes.append(plugins.sha256_of("part"))
     assert [plugins.attribute("part", "number", sha256)() for sha256 in hashes] == [1, 2]
     assert plugins.attribute("part", "number")() == 2
+
+
+def install(folder: Path, version: str) -> None:
+    """A distribution as pip leaves it, with a method under an entry point."""
+    (folder / "strange.py").write_text(TANGENT)
+    about = folder / "strange_methods.dist-info"
+    about.mkdir(exist_ok=True)
+    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: strange-methods\nVersion: {version}\n")
+    (about / "entry_points.txt").write_text("[testbed.methods]\nstrange = strange:avoid\n")
+
+
+@pytest.mark.slow
+def test_a_method_of_an_installed_package_flies_under_its_own_name(tmp_path: Path) -> None:
+    """Listed, checked, flown in workers; its version is part of what the run is."""
+    site = tmp_path / "site"
+    site.mkdir()
+    install(site, "1.0")
+    campaign = CAMPAIGN.replace("plugins: [./tangent.py]\n", "").replace('"tangent:avoid"', "strange")
+    (tmp_path / "study.yaml").write_text(campaign)
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(site), os.environ.get("PYTHONPATH", "")])}
+
+    def testbed(*arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-c", "from testbed.cli import main; main()", *arguments]
+        return subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment)
+
+    assert "strange" in testbed("list", "methods").stdout.split()
+    assert "method 'strange'" in testbed("check", "method", "strange").stdout
+    done = testbed("run", "study.yaml", "--out", "out", "--workers", "2")
+    assert done.returncode == 0, done.stderr
+    assert "(4 flown now)" in done.stderr
+    assert {event["decision"] for row in rows(tmp_path).values() for event in row["events"]} == {"replanned"}
+    install(site, "1.1")
+    again = testbed("run", "study.yaml", "--out", "out", "--workers", "2")
+    assert again.returncode == 2
+    assert "package strange-methods: 1.0 there, 1.1 now" in again.stderr

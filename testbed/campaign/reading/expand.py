@@ -24,9 +24,6 @@ from testbed.core import registry
 Encounter = Callable[[float, int, int], dict[str, Any]]
 """From own speed (m/s), seed and replicate to an obstacle."""
 
-ONCE_SAID = {"lead_time": None}
-"""What was said of an ordinary flight before there were studies, and is part of its identity still: it is the same flight."""
-
 PlannedCell = tuple[Cell, Document, FlightPlan | list[Fault]]
 
 
@@ -76,7 +73,7 @@ def with_origins(plan: FlightPlan) -> FlightPlan:
 def _identity(plan: FlightPlan) -> dict[str, Any]:
     """All that is flown. A study that only judges is no part of it: the same flight can be judged by another."""
     said = plan.model_dump(mode="json", exclude={"flight_id": True, "campaign": True, **_unsaid(plan)})
-    return said if "study" in said else said | ONCE_SAID
+    return said if "study" in said else {**said, **registry.once_said()}
 
 
 def _unsaid(plan: FlightPlan) -> dict[str, Any]:
