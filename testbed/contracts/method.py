@@ -83,7 +83,7 @@ def _safety(method: Callable[..., Choice], options: Mapping[str, Any], scenes: S
     began = perf_counter()
     try:
         found = Counter(str(avoid(method, own, obstacles, **options).status) for _, (own, obstacles) in scenes)
-    except Exception as bug:
+    except (Exception, SystemExit) as bug:
         return Promise("can be asked through vosc.methods.avoid", f"raises {type(bug).__name__}: {bug}")
     cost = (perf_counter() - began) / len(scenes)
     told = (

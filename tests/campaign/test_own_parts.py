@@ -32,6 +32,9 @@ class Track:
 
 def tangent(own, obstacles, side: bool = True):
     return own.vel_mps
+
+def leaving(own, obstacles, goal: tuple[float, float, float] | None = None):
+    raise SystemExit(3)
 """
 
 
@@ -50,6 +53,7 @@ def told(tmp_path: Path, more: str) -> str:
         ('method: {kind: "mine:Law", options: {own: 1}}', "5:38", "unknown option 'own'"),
         ('method: {kind: "mine:Idle"}', "5:1", "a steering law needs start and steer; Idle has no steer"),
         ('method: {kind: "mine:tangent", options: {side: true}}', "5:", "must return Choice"),
+        ('method: {kind: "mine:leaving"}', "5:1", "the method 'mine:leaving' fails when it is tried: SystemExit: 3"),
         ('planner: {kind: "mine:Idle"}', "5:1", "a planner needs start and step; Idle has no step"),
         ('planner: {kind: "mine:Idle", options: {looks: 2.5}}', "5:", "whole number"),
         ("planner: {kind: replan, options: {k: 2}}", "5:", "unknown option 'k'"),

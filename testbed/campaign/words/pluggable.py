@@ -58,7 +58,7 @@ class Pluggable(Section):
             cls._try(part, found)
         except ValueError as error:
             raise typed.blamed(str(error), found) from None
-        except Exception as bug:
+        except (Exception, SystemExit) as bug:  # a part that leaves must not take the reader along; Ctrl-C still does
             raise ValueError(f"the {what} fails when it is tried: {type(bug).__name__}: {bug}") from bug
         return found
 
