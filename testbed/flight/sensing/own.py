@@ -9,7 +9,7 @@ import numpy as np
 from testbed.core.frames import Vec3
 from testbed.flight.plants.base import State
 from testbed.flight.sensing.base import Seen, Sensor, SensorContext
-from testbed.flight.traffic.track import Array, Track, Traffic
+from testbed.flight.traffic.track import Array, Body, Track, Traffic
 
 EARLY_S = 1e-9  # later than now by this much is rounding
 
@@ -33,7 +33,7 @@ class OwnSensor:
         if not (isinstance(answer, tuple) and len(answer) == 2):
             raise self._refused(repr(answer))
         memory, seen = answer
-        if not isinstance(seen, Sequence) or isinstance(seen, str | Seen):
+        if not isinstance(seen, Sequence) or isinstance(seen, str | Body):
             raise self._refused(f"(memory, {seen!r})")
         for one in seen:
             if why := _fault(one, time_s):
@@ -75,7 +75,7 @@ class _SoFar:
 
 def _fault(one: Any, now_s: float) -> str:
     """Why this is nothing that was seen; empty if it is."""
-    if not isinstance(one, Seen):
+    if not isinstance(one, Body):
         return "it is no Seen"
     if not isinstance(one.name, str):
         return "its name is no text"
