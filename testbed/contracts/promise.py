@@ -27,7 +27,7 @@ def first_broken(what: str, cases: Iterable[tuple[str, Callable[[], str]]], note
     for name, tried in cases:
         try:
             wrong = tried()
-        except Exception as bug:
+        except (Exception, SystemExit) as bug:
             wrong = f"raises {type(bug).__name__}: {bug}"
         if wrong:
             return Promise(what, f"{name}: {wrong}")

@@ -50,7 +50,7 @@ def checked(what: str, part: Any, given: int, options: Mapping[str, Any]) -> dic
     try:
         found = model.model_validate(dict(options))
     except ValidationError as error:
-        raise ValidationError.from_exception_data("options", [_told(what, item, known) for item in error.errors()]) from None
+        raise ValidationError.from_exception_data("options", [_told(what, item, known) for item in _whole(error.errors())]) from None
     return {name: getattr(found, name) for name in known if name in found.model_fields_set}
 
 
@@ -62,6 +62,23 @@ def blamed(message: str, options: Mapping[str, Any]) -> ValidationError:
     fault = PydanticCustomError("bad_option", "{text}", {"text": text})
     place = InitErrorDetails(type=fault, loc=(name,) if name else (), input=options.get(name) if name else None)
     return ValidationError.from_exception_data("options", [place])
+
+
+def _whole(errors: list[ErrorDetails]) -> list[ErrorDetails]:
+    """The errors, where those of a tuple's missing items (pydantic has one for each, up to the last) are one of the tuple's length."""
+    lengths: dict[tuple[int | str, ...], int] = {}
+    for error in errors:
+        *holder, item = error["loc"]
+        if error["type"] == "missing" and isinstance(item, int):
+            lengths[tuple(holder)] = item + 1
+    found: dict[Any, ErrorDetails] = {}
+    for error in errors:
+        loc = error["loc"]
+        if error["type"] == "missing" and (wanted := lengths.get(loc[:-1])):
+            context = {"field_type": "Tuple", "min_length": wanted, "actual_length": len(error["input"])}
+            loc, error = loc[:-1], {**error, "type": "too_short", "loc": loc[:-1], "ctx": context}  # noqa: PLW2901
+        found[loc, error["type"]] = error
+    return list(found.values())
 
 
 def _told(what: str, error: ErrorDetails, known: list[str]) -> InitErrorDetails:

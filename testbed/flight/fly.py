@@ -24,7 +24,9 @@ from testbed.flight.plants.base import Plant, PlantSetting, Start, State, TrimFa
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.route.path import ActivePath, Path
 from testbed.flight.scene import Scene, make_scene
+from testbed.flight.sensing import SENSORS
 from testbed.flight.sensing.base import NOTHING, Sensor, SensorContext
+from testbed.flight.sensing.own import OwnSensor
 from testbed.flight.variation import varied
 
 GOAL_GATE_M = 20.0  # reached = crossing the goal's plane within this distance
@@ -115,9 +117,9 @@ def _loop(
 
 
 def make_sensor(plan: FlightPlan) -> Sensor:
-    """The sensor that the plan asks for."""
+    """The sensor that the plan asks for; one that is not built in is checked at every look."""
     sensor: Sensor = registry.part("sensor", plan.sensor.kind, plan.plugins)(**plan.sensor.options)
-    return sensor
+    return sensor if plan.sensor.kind in SENSORS else OwnSensor(plan.sensor.kind, sensor)
 
 
 def sensor_context(plan: FlightPlan) -> SensorContext:

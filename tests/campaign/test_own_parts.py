@@ -27,11 +27,30 @@ class Idle:
     def __init__(self, looks: int = 3): ...
     def start(self, context): ...
 
+class Waits(Idle):
+    def step(self, memory, time_s, state, seen): ...
+
 class Track:
     def __init__(self, setting, rate_dps: float = 6.0): ...
+    def at(self, time_s): ...
+    def sampled(self, time_s): ...
+
+class Veer:
+    def __init__(self, setting, gain: float = 1.0): ...
+    def start(self, s_m): ...
+
+class Fixed:
+    def __init__(self, setting): ...
+    def at(self, time_s): ...
+
+def made(looks: int):
+    return Idle(looks)
 
 def tangent(own, obstacles, side: bool = True):
     return own.vel_mps
+
+def leaving(own, obstacles, goal: tuple[float, float, float] | None = None):
+    raise SystemExit(3)
 """
 
 
@@ -50,11 +69,27 @@ def told(tmp_path: Path, more: str) -> str:
         ('method: {kind: "mine:Law", options: {own: 1}}', "5:38", "unknown option 'own'"),
         ('method: {kind: "mine:Idle"}', "5:1", "a steering law needs start and steer; Idle has no steer"),
         ('method: {kind: "mine:tangent", options: {side: true}}', "5:", "must return Choice"),
+        ('method: {kind: "mine:leaving"}', "5:1", "the method 'mine:leaving' fails when it is tried: SystemExit: 3"),
+        ('method: {kind: "mine:leaving", options: {goal: [1, 2]}}', "5:", "goal: must have 3 values, not 2"),
+        ('method: {kind: "mine:leaving", options: {goal: [1]}}', "5:", "goal: must have 3 values, not 1"),
+        ('method: {kind: "mine:leaving", options: {goal: [1, 2, 3, 4]}}', "5:", "goal: must have 3 values, not 4"),
         ('planner: {kind: "mine:Idle"}', "5:1", "a planner needs start and step; Idle has no step"),
-        ('planner: {kind: "mine:Idle", options: {looks: 2.5}}', "5:", "whole number"),
+        ('planner: {kind: "mine:Waits", options: {looks: 2.5}}', "5:", "whole number"),
         ("planner: {kind: replan, options: {k: 2}}", "5:", "unknown option 'k'"),
         ("planner: {kind: replane}", "5:", "no planner 'replane'"),
         ('sensor: {kind: "mine:Idle"}', "5:1", "a sensor needs start and sense; Idle has no sense"),
+        ('guidance: {kind: "mine:Veer"}', "5:1", "a guidance law needs start and step; Veer has no step"),
+        ('method: {kind: "mine:Veer"}', "5:1", "a steering law needs start and steer; Veer has no steer"),
+        ('planner: {kind: "mine:Veer"}', "5:1", "a planner needs start and step; Veer has no step"),
+        ('guidance: {kind: "mine:tangent"}', "5:1", "wants obstacles; a guidance law is a class with start and step"),
+        (
+            'planner: {kind: "mine:tangent"}',
+            "5:1",
+            "this is a function that wants own, obstacles; a planner is a class with start and step",
+        ),
+        ('sensor: {kind: "mine:tangent"}', "5:1", "this is a function that wants own, obstacles; a sensor is a class with start and sense"),
+        ('planner: {kind: "mine:made", options: {looks: 3}}', "5:", "a planner needs start and step; Idle has no step"),
+        ('obstacles: [{name: O, kind: "mine:Fixed", ' + OBSTACLE + "}]", "5:", "a track needs at and sampled; Fixed has no sampled"),
         ('obstacles: [{name: O, kind: "mine:Track", options: {rate: 1}, ' + OBSTACLE + "}]", "5:53", "it has: rate_dps"),
         ("obstacles: [{name: O, kind: curved, " + OBSTACLE + "}]", "5:", "no traffic 'curved'"),
     ],

@@ -63,6 +63,30 @@ def test_a_good_method_of_one_s_own_passes(write) -> None:
     assert text[-1] == "method 'mine:avoid': all 6 promises kept"
 
 
+MUTATING = """\
+def avoid(own, obstacles):
+    x, y, z = own.vel_mps
+    for one in obstacles:
+        object.__setattr__(one, 'radius_m', 1.0)
+    return Choice((x, y, z), 'avoided')
+"""
+
+
+def test_a_method_that_changes_what_it_is_given_always_to_the_same_is_named(write) -> None:
+    """Each promise is tried in encounters of its own; only the one about what is given is broken."""
+    write(MUTATING)
+    kept, told = check("method", "mine:avoid", {})
+    lines = list(told)
+    assert not kept
+    assert [line for line in lines if line.startswith("broken")] == [
+        "broken  leaves what it is given alone: encounter 0: own or obstacles are others after the call"
+    ]
+    write(MUTATING.replace("object.__setattr__(one, 'radius_m', 1.0)", "pass"))
+    (fares,) = [line.partition(";")[0] for line in check("method", "mine:avoid", {})[1] if "can be asked" in line]
+    assert any(line.startswith(fares) for line in lines)  # its cones were those of the encounters as they were
+    assert "unsafe" in fares
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("promise", "text"), [(promise, text) for promise, texts in BROKEN.items() for text in texts])
 def test_what_a_method_breaks_is_named(write, promise: str, text: str) -> None:

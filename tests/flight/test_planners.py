@@ -85,11 +85,20 @@ def test_curves_and_points_are_paths_that_begin_where_the_aircraft_is(answer: ob
         ([(0, 0, 0), (1, 1)], "PH curves or finite points"),
         ([(0, 0, 0), (0, 0, 0)], "the same point twice"),
         ([NEXT, CURVE], "a gap of"),
+        (NEXT, "must begin where the aircraft is, or pass there .within 20 m., not 352.1 m from it"),
+        ([(100, 25, 3), (900, 25, 3)], "or pass there .within 20 m., not 23.0 m from it"),
+        ([(0, 2, 3), (60, 2, 3)], "not 40.0 m from it"),  # it ends before the aircraft
+        ([(100 * k, 2, 3) for k in range(12)], "begin where the aircraft is: it has many pieces"),
     ],
 )
 def test_what_is_no_path_is_refused_in_words(answer: object, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         path_of(answer, EAST)
+
+
+def test_a_path_may_have_begun_behind_the_aircraft() -> None:
+    assert path_of([(0, 0, 3), (900, 0, 3)], EAST).begin_s_m == pytest.approx(100.0, abs=1.0)
+    assert path_of([(100 + 100 * k, 0, 3) for k in range(12)], EAST).begin_s_m == 0.0
 
 
 class Wanderer:

@@ -11,16 +11,11 @@ from vosc import Obstacle, Own
 from vosc.methods import checked_choice
 
 
-def _needs(made: Any, what: str, *methods: str) -> None:
-    """What a part makes must have these methods."""
-    if missing := [name for name in methods if not callable(getattr(made, name, None))]:
-        raise ValueError(f"{what} needs {' and '.join(methods)}; {type(made).__name__} has no {' and no '.join(missing)}")
-
-
 class Sensor(Pluggable):
     """What the planner sees of the obstacles."""
 
     family = "sensor"
+    role, needs = "a sensor", ("start", "sense")
 
     kind: str = "truth"
     """truth: position and velocity without error. `file:name` is a sensor of a plug-in."""
@@ -29,34 +24,44 @@ class Sensor(Pluggable):
 
     @classmethod
     def _try(cls, part: Any, options: dict[str, Any]) -> None:
-        _needs(part(**options), "a sensor", "start", "sense")
+        made = part(**options)
+        cls._has_all(made, type(made))
 
 
 class PlannerSpec(Pluggable):
     """Who turns what is seen into a new path."""
 
     family = "planner"
+    role, needs = "a planner", ("start", "step")
 
     kind: str = "replan"
     """replan: the paper's, with the settings of `method` and `replan`. `file:name` is a planner of a plug-in."""
 
     @classmethod
     def _try(cls, part: Any, options: dict[str, Any]) -> None:
-        _needs(part(**options), "a planner", "start", "step")
+        made = part(**options)
+        cls._has_all(made, type(made))
 
 
 class MethodSpec(Pluggable):
     """The avoidance method and its options."""
 
     family = "method"
+    role, needs = "a steering law", ("start", "steer")
 
     kind: str = "scoam"
     """Avoidance method; `testbed list methods` shows them. `file:function` is a direction of a plug-in, `file:Class` its steering law."""
 
     @classmethod
+    def _fits(cls, part: Any, options: dict[str, Any]) -> None:
+        if inspect.isclass(part):
+            super()._fits(part, options)
+
+    @classmethod
     def _try(cls, part: Any, options: dict[str, Any]) -> None:
         if inspect.isclass(part):
-            _needs(part(**options), "a steering law", "start", "steer")
+            made = part(**options)
+            cls._has_all(made, type(made))
         else:
             own, obstacle = Own((0.0, 0.0, 0.0), (50.0, 0.0, 0.0)), Obstacle((100.0, 0.0, 0.0), (0.0, 0.0, 0.0), 25.0, is_threat=True)
             checked_choice(part(own, (obstacle,), **options))

@@ -1,5 +1,6 @@
 """A section that names a part to plug in, and the part's own options."""
 
+import inspect
 from typing import Any, ClassVar
 
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator
@@ -26,6 +27,10 @@ class Pluggable(Section):
     model_config = ConfigDict(json_schema_extra=_with_names)
 
     family: ClassVar[str]
+    role: ClassVar[str] = ""
+    """What a part makes, with its article: a planner."""
+    needs: ClassVar[tuple[str, ...]] = ()
+    """The methods that it must have."""
 
     kind: str
     options: dict[str, Any] = Field(default={}, validate_default=True)
@@ -51,6 +56,10 @@ class Pluggable(Section):
             return options
         what, part = f"{cls.family} '{kind}'", registry.part(cls.family, kind)
         try:
+            cls._fits(part, options)
+        except ValueError as error:
+            raise ValueError(f"the {what} cannot be used: {error}") from None
+        try:
             found = typed.checked(what, part, registry.given(cls.family, part), options)
         except typed.OptionsError as error:
             raise ValueError(f"the {what} cannot be used: {error}") from None
@@ -58,9 +67,28 @@ class Pluggable(Section):
             cls._try(part, found)
         except ValueError as error:
             raise typed.blamed(str(error), found) from None
-        except Exception as bug:
+        except (Exception, SystemExit) as bug:  # a part that leaves must not take the reader along; Ctrl-C still does
             raise ValueError(f"the {what} fails when it is tried: {type(bug).__name__}: {bug}") from bug
         return found
+
+    @classmethod
+    def _fits(cls, part: Any, options: dict[str, Any]) -> None:
+        """Raise ``ValueError`` where the part is plainly one of another family: its options would be compared with the wrong parameters."""
+        if inspect.isclass(part):
+            cls._has_all(part, part)
+        elif cls.needs and inspect.isfunction(part):
+            parameters = list(inspect.signature(part).parameters.values())[registry.given(cls.family, part) :]
+            wanted = [p.name for p in parameters if p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+            if missing := [name for name in wanted if name not in options]:
+                raise ValueError(
+                    f"this is a function that wants {', '.join(missing)}; {cls.role} is a class with {' and '.join(cls.needs)}"
+                )
+
+    @classmethod
+    def _has_all(cls, made: Any, of: type) -> None:
+        """``made``, an ``of`` or the class itself, must have the methods of the family."""
+        if missing := [name for name in cls.needs if not callable(getattr(made, name, None))]:
+            raise ValueError(f"{cls.role} needs {' and '.join(cls.needs)}; {of.__name__} has no {' and no '.join(missing)}")
 
     @classmethod
     def _try(cls, part: Any, options: dict[str, Any]) -> None:

@@ -73,6 +73,7 @@ class ObstacleSpec(Pluggable):
     """A sphere that moves along a track."""
 
     family = "traffic"
+    role, needs = "a track", ("at", "sampled")
 
     kind: str = "straight"
     """straight: on a straight line at a constant speed. `file:name` is a track of a plug-in, which starts from what stands here."""
@@ -135,6 +136,7 @@ class GuidanceSpec(Pluggable):
     """The path-following law."""
 
     family = "guidance"
+    role, needs = "a guidance law", ("start", "step")
 
     kind: str = "look_ahead"
     """look_ahead: error feedback with feed-forward of the curvature ahead. l1: Park, Deyst and How's law, which aims at a point ahead."""

@@ -1,7 +1,7 @@
 """A planner of somebody's own: ``step(memory, time_s, state, seen) -> (memory, path or None)``.
 
 Its path may be PH curves (``vosc.ph``), one or a sequence of them joined end to end, a ``Chain``, or points (n,3) to fly through. It
-should begin where the aircraft is, or pass there. Every new path is an event.
+begins where the aircraft is, or passes there; one of more than eight pieces begins there. Every new path is an event.
 """
 
 import inspect
@@ -26,6 +26,7 @@ from vosc import Own, ph
 from vosc.vec import norm, sub
 
 APART_M = 1e-6  # pieces that are farther apart are not joined
+ASIDE_M = 20.0  # a path that passes the aircraft farther away than this was made for another place
 
 
 class OwnPlanner:
@@ -82,6 +83,11 @@ def path_of(answer: Any, state: State) -> ActivePath:
     if len(path.curves) <= FEW:
         s_m = float(path.nearest(np.array([state[:3]]))[0][0])
         path.begin_s_m = min(max(s_m, 0.0), path.length_m)
+    if not (aside_m := math.dist(path.frame(path.begin_s_m)[0], state[:3])) <= ASIDE_M:
+        where = (
+            "begin where the aircraft is, or pass there" if len(path.curves) <= FEW else "begin where the aircraft is: it has many pieces"
+        )
+        raise ValueError(f"the planner's path must {where} (within {ASIDE_M:g} m), not {aside_m:.1f} m from it")
     return path
 
 

@@ -32,4 +32,4 @@ class Sensor(Protocol):
         """Fresh memory."""
 
     def sense(self, memory: Any, time_s: float, own: State, traffic: Traffic) -> tuple[Any, tuple[Seen, ...]]:
-        """What is seen now. ``traffic.at(time_s)`` is the truth, now or before."""
+        """What is seen now. ``traffic.at(time_s)`` is the truth, now or before; who asks for later gets a ``ValueError`` (``own.py``)."""
