@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from testbed.run.engines import Engine
     from testbed.run.runner import Summary
 
+Overrides = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a setting: dotted path, YAML value.")]
+
 
 @app.command()
 def run(
@@ -26,9 +28,7 @@ def run(
     engine: Annotated[Literal["local", "dask"], typer.Option(help="Where flights are flown.")] = "local",
     scheduler: Annotated[str | None, typer.Option(help="With --engine dask: its address, or its scheduler file.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Remove a former run in the directory first.")] = False,
-    override: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a setting: dotted path, YAML value.")
-    ] = None,
+    override: Overrides = None,
 ) -> None:
     """Fly a campaign, or what is left of it; the last line on stdout is the run directory."""
     from testbed.core.catalogue import aircraft_beside
@@ -95,8 +95,8 @@ def _summarise(summary: "Summary") -> None:
 
 
 @app.command()
-def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")]) -> None:
-    """Check campaigns without flying them."""
+def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")], override: Overrides = None) -> None:
+    """Check campaigns without flying them, with the settings changed that are given."""
     with bad_input():
         from testbed.campaign import SpecError, expand, load_campaign
         from testbed.campaign.words.grid import PART
@@ -106,7 +106,7 @@ def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help
         for file in files:
             try:
                 with aircraft_beside(file.parent):
-                    campaign = load_campaign(file)
+                    campaign = load_campaign(file, override or ())
                     plans = expand(campaign)
             except SpecError as problems:
                 say(str(problems), sys.stderr)

@@ -177,6 +177,14 @@ def test_validate_counts_the_flights_of_each_part(tmp_path):
     assert done.stdout == "parts.yaml: 7 flights in 3 cells\n  a: 6 flights in 2 cells\n  b: 1 flights in 1 cells\n"
 
 
+def test_validate_takes_the_settings_that_run_takes(tmp_path):
+    more = testbed("validate", SMOKE, "--set", "replicates=3", "--set", "sweep.plant.kind=[kinematic]", cwd=tmp_path)
+    assert (more.returncode, more.stdout) == (0, f"{SMOKE}: 6 flights in 2 cells\n")
+    bad = testbed("validate", SMOKE, SMOKE, "--set", "speed_mps=90", cwd=tmp_path)
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert bad.stderr.count("--set speed_mps=90: speed_mps: gtm_t2 holds") == 2
+
+
 def test_what_there_is_to_choose_from(tmp_path):
     assert {"gtm_t2", "c172p"} <= set(testbed("list", "aircraft", cwd=tmp_path).stdout.split())
     assert {"none", "scoam"} <= set(testbed("list", "methods", cwd=tmp_path).stdout.split())
