@@ -79,9 +79,12 @@ def _summarise(summary: "Summary") -> None:
 
     outcomes = words.outcomes(summary.outcomes)
     flown = sum(summary.outcomes.values())
-    say(f"{flown} of {summary.planned} flights ({summary.flown_now} flown now): {outcomes or 'none'}", sys.stderr)
+    say(f"{flown} of {words.counted(summary.planned, 'flight')} ({summary.flown_now} flown now): {outcomes or 'none'}", sys.stderr)
     if summary.crashed:
-        say(f"{summary.crashed} crashed: the program failed to fly them; see 'traceback' in {summary.directory / 'rows.jsonl'}", sys.stderr)
+        traceback = f"see 'traceback' in {summary.directory / 'rows.jsonl'}"
+        say(f"{summary.crashed} crashed: {summary.first_crash.splitlines()[0]}; {traceback}", sys.stderr)
+        if summary.plugins:
+            say(f"  the fault may be in a file of the campaign's plug-ins: {', '.join(summary.plugins)}", sys.stderr)
     if summary.mixed_code:
         say("warning: the code changed during the run, so its flights may not be of one code; start again with --fresh", sys.stderr)
     for line in summary.checks:
@@ -119,7 +122,9 @@ def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help
 
 
 def _counted(plans: "Sequence[FlightPlan]") -> str:
-    return f"{len(plans)} flights in {len({plan.cell for plan in plans})} cells"
+    from testbed.show import words
+
+    return f"{words.counted(len(plans), 'flight')} in {words.counted(len({plan.cell for plan in plans}), 'cell')}"
 
 
 @app.command()
