@@ -61,9 +61,9 @@ class Run:
     def series(self, columns: str | Sequence[str] | None = None, every_s: float | None = None) -> "pd.DataFrame":
         """What the flights did over time: ``flight_id``, ``time_s`` and the signals, one row an instant; flights in plan order.
 
-        ``columns``: names of signals, or one (``own.pos_enu_m`` stands for its three parts), by default all that were stored. ``every_s``: one
-        instant every so many seconds from 0 on, to the nearest tick; by default every tick of the plant. A flight has a series where
-        the campaign said ``columns: all`` or ``selected``.
+        ``columns``: names of signals, or one (``own.pos_enu_m`` stands for its three parts), by default all that were stored.
+        ``every_s``: one instant every so many seconds from 0 on, to the nearest tick; by default every tick of the plant. A flight has a
+        series where the campaign said ``columns: all`` or ``selected``.
         """
         import pandas as pd
 
@@ -95,7 +95,7 @@ class Run:
         import pandas as pd
 
         if not isinstance(other, Run):
-            raise ValueError(f"join: give the other run as open_run({str(other)!r}), not as {type(other).__name__}")  # noqa: TRY004
+            raise ValueError(f"join: give the other run as open_run({str(other)!r}), not as {type(other).__name__}")
         mine, theirs = self.results, other.results
         names = [_column(mine, theirs, name) for name in _names("on", on)]
         for name in names:

@@ -111,7 +111,7 @@ def test_two_runs_are_paired_on_what_they_share(run, tmp_path):
 
 def test_one_name_is_enough_and_what_cannot_be_is_said_in_words(run):
     assert list(run.series("own.pos_enu_m")) == list(run.series(["own.pos_enu_m"]))
-    with pytest.raises(ValueError, match="no signal 'nope' was kept; there are: time_s, own.pos_enu_m.x"):
+    with pytest.raises(ValueError, match=r"no signal 'nope' was kept; there are: time_s, own\.pos_enu_m\.x"):
         run.series("nope")
     with pytest.raises(ValueError, match="columns: name at least one column"):
         run.series([])
