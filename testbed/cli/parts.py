@@ -19,7 +19,9 @@ def schema() -> None:
 
 @app.command("list")
 def list_parts(
-    what: Annotated[Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic", "studies"] | None, typer.Argument()] = None,
+    what: Annotated[
+        Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic", "studies"] | None, typer.Argument()
+    ] = None,
 ) -> None:
     """What a campaign can name: one name a line, or everything."""
     from testbed.core import registry
