@@ -19,14 +19,16 @@ def schema() -> None:
 
 @app.command("list")
 def list_parts(
-    what: Annotated[Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic"] | None, typer.Argument()] = None,
+    what: Annotated[
+        Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic", "studies"] | None, typer.Argument()
+    ] = None,
 ) -> None:
     """What a campaign can name: one name a line, or everything."""
     from testbed.core import registry
     from testbed.core.catalogue import aircraft_folders
 
     parts: dict[str, list[str]] = {"aircraft": list(aircraft_folders())}
-    parts |= {family.plural: registry.names(family.name) for family in registry.FAMILIES.values() if family.name != "study"}
+    parts |= {family.plural: registry.names(family.name) for family in registry.FAMILIES.values()}
     say("\n".join(parts[what]) if what else "\n".join(f"{kind + ':':10} {', '.join(names)}" for kind, names in parts.items()))
 
 

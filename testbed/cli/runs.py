@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from testbed.run.engines import Engine
     from testbed.run.runner import Summary
 
+Overrides = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a setting: dotted path, YAML value.")]
+
 
 @app.command()
 def run(
@@ -26,9 +28,7 @@ def run(
     engine: Annotated[Literal["local", "dask"], typer.Option(help="Where flights are flown.")] = "local",
     scheduler: Annotated[str | None, typer.Option(help="With --engine dask: its address, or its scheduler file.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Remove a former run in the directory first.")] = False,
-    override: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a setting: dotted path, YAML value.")
-    ] = None,
+    override: Overrides = None,
 ) -> None:
     """Fly a campaign, or what is left of it; the last line on stdout is the run directory."""
     from testbed.core.catalogue import aircraft_beside
@@ -79,9 +79,12 @@ def _summarise(summary: "Summary") -> None:
 
     outcomes = words.outcomes(summary.outcomes)
     flown = sum(summary.outcomes.values())
-    say(f"{flown} of {summary.planned} flights ({summary.flown_now} flown now): {outcomes or 'none'}", sys.stderr)
+    say(f"{flown} of {words.counted(summary.planned, 'flight')} ({summary.flown_now} flown now): {outcomes or 'none'}", sys.stderr)
     if summary.crashed:
-        say(f"{summary.crashed} crashed: the program failed to fly them; see 'traceback' in {summary.directory / 'rows.jsonl'}", sys.stderr)
+        traceback = f"see 'traceback' in {summary.directory / 'rows.jsonl'}"
+        say(f"{summary.crashed} crashed: {summary.first_crash.splitlines()[0]}; {traceback}", sys.stderr)
+        if summary.plugins:
+            say(f"  the fault may be in a file of the campaign's plug-ins: {', '.join(summary.plugins)}", sys.stderr)
     if summary.mixed_code:
         say("warning: the code changed during the run, so its flights may not be of one code; start again with --fresh", sys.stderr)
     for line in summary.checks:
@@ -95,8 +98,8 @@ def _summarise(summary: "Summary") -> None:
 
 
 @app.command()
-def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")]) -> None:
-    """Check campaigns without flying them."""
+def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")], override: Overrides = None) -> None:
+    """Check campaigns without flying them, with the settings changed that are given."""
     with bad_input():
         from testbed.campaign import SpecError, expand, load_campaign
         from testbed.campaign.words.grid import PART
@@ -106,7 +109,7 @@ def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help
         for file in files:
             try:
                 with aircraft_beside(file.parent):
-                    campaign = load_campaign(file)
+                    campaign = load_campaign(file, override or ())
                     plans = expand(campaign)
             except SpecError as problems:
                 say(str(problems), sys.stderr)
@@ -119,7 +122,9 @@ def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help
 
 
 def _counted(plans: "Sequence[FlightPlan]") -> str:
-    return f"{len(plans)} flights in {len({plan.cell for plan in plans})} cells"
+    from testbed.show import words
+
+    return f"{words.counted(len(plans), 'flight')} in {words.counted(len({plan.cell for plan in plans}), 'cell')}"
 
 
 @app.command()

@@ -1,9 +1,10 @@
 """``manifest.json``: what a run is of and where its results come from; and whether it can be continued."""
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
-from testbed.campaign.words.settings import Campaign
+from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.registry import PACKAGE
 from testbed.run import identity
 from testbed.run.directory import MANIFEST, STUDY_FILES, BadInputError, RunDirectory
@@ -123,13 +124,15 @@ def _changed(word: str, there: dict[str, str], now: dict[str, str]) -> list[str]
     ]
 
 
-def provenance(manifest: Manifest, planned: int, flown: int) -> dict[str, Any]:
-    """What the page is told of the run's origin."""
+def provenance(manifest: Manifest, plans: Sequence[FlightPlan], flown: int) -> dict[str, Any]:
+    """What the page is told of the run's origin; of a plug-in the first digits of its SHA-256, of a package with parts its version."""
     names = manifest["identity"]
     return {key: manifest[key] for key in TOLD_OF_ORIGIN} | {
         "plan_hash": names["plan"],
         "code_hash": names["code"],
         "versions": names["versions"],
-        "flights_planned": planned,
+        "plug-in": {name: f"SHA-256 {sha256[:12]}" for name, sha256 in names["plugins"].items()},
+        "package with parts": names["packages"],
+        "flights_planned": len(plans),
         "flights_flown": flown,
     }

@@ -58,19 +58,20 @@ class Run:
         """What was to be flown, flown yet or not."""
         return self._plan[1]
 
-    def series(self, columns: Sequence[str] | None = None, every_s: float | None = None) -> "pd.DataFrame":
+    def series(self, columns: str | Sequence[str] | None = None, every_s: float | None = None) -> "pd.DataFrame":
         """What the flights did over time: ``flight_id``, ``time_s`` and the signals, one row an instant; flights in plan order.
 
-        ``columns``: names of signals (``own.pos_enu_m`` stands for its three parts), by default all that were stored. ``every_s``: one
-        instant every so many seconds from 0 on, to the nearest tick; by default every tick of the plant. A flight has a series where
-        the campaign said ``columns: all`` or ``selected``.
+        ``columns``: names of signals, or one (``own.pos_enu_m`` stands for its three parts), by default all that were stored.
+        ``every_s``: one instant every so many seconds from 0 on, to the nearest tick; by default every tick of the plant. A flight has a
+        series where the campaign said ``columns: all`` or ``selected``.
         """
         import pandas as pd
 
+        wanted = None if columns is None else _names("columns", columns)
         stored = [plan.flight_id for plan in self.plans if (self.directory.columns / f"{plan.flight_id}.parquet").is_file()]
         if not stored:
             raise BadInputError(f"{self.directory.path}: kept no series; fly the campaign with --set columns=all (or selected)")
-        frames = [self._series_of(flight_id, columns, every_s) for flight_id in stored]
+        frames = [self._series_of(flight_id, wanted, every_s) for flight_id in stored]
         return pd.concat(frames, ignore_index=True)
 
     def _series_of(self, flight_id: str, columns: Sequence[str] | None, every_s: float | None) -> "pd.DataFrame":
@@ -88,13 +89,15 @@ class Run:
     def join(self, other: "Run", on: str | Sequence[str], suffixes: tuple[str, str] = ("", "_other")) -> "pd.DataFrame":
         """The rows of this run, each beside the one of the other run that equals it in the columns ``on``; rows without one are left out.
 
-        An axis can be named without its ``label.``. What both have gets the suffixes. Raises ``ValueError`` where several flights of
-        either run are equal in ``on``: that would pair each with each.
+        An axis can be named without its ``label.``. What both have gets the suffixes. Raises ``ValueError`` for what is no run or no column
+        of both, and where several flights of either run are equal in ``on``: that would pair each with each.
         """
         import pandas as pd
 
+        if not isinstance(other, Run):
+            raise ValueError(f"join: give the other run as open_run({str(other)!r}), not as {type(other).__name__}")
         mine, theirs = self.results, other.results
-        names = [_column(mine, theirs, name) for name in ([on] if isinstance(on, str) else on)]
+        names = [_column(mine, theirs, name) for name in _names("on", on)]
         for name in names:
             if pd.api.types.is_numeric_dtype(mine[name]) != pd.api.types.is_numeric_dtype(theirs[name]):
                 raise ValueError(f"{name}: holds numbers in one run and text in the other, so no two rows are equal in it")
@@ -112,6 +115,14 @@ def open_run(path: str | Path) -> Run:
 
 def _told(schema: "pa.Schema", key: bytes) -> dict[str, str]:
     return {field.name: field.metadata[key].decode() for field in schema if field.metadata}
+
+
+def _names(what: str, given: str | Sequence[str]) -> list[str]:
+    """One name or several, as a list."""
+    names = [given] if isinstance(given, str) else list(given)
+    if not names:
+        raise ValueError(f"{what}: name at least one column")
+    return names
 
 
 def _selected(there: Sequence[str], wanted: Sequence[str]) -> list[str]:

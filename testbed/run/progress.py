@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 from testbed.run.runner import Progress
+from testbed.show.words import counted
 
 EVERY_S = 10.0
 EVERY_SHARE = 0.05
@@ -48,4 +49,4 @@ class PlainLines:
         self._last_at, self._last_done = now, done
         note = f", {crashed} crashed" if crashed else ""
         with suppress(BrokenPipeError):  # nobody reads it any more; the flights go on
-            print(f"{done} of {total} flights{note}", file=sys.stderr, flush=True)
+            print(f"{done} of {counted(total, 'flight')}{note}", file=sys.stderr, flush=True)

@@ -44,6 +44,10 @@ class Summary:
     flown_now: int = 0
     mixed_code: bool = False
     checks: "tuple[CheckResult, ...]" = ()
+    first_crash: str = ""
+    """Flight id and message of the first flight, in plan order, that crashed; empty if none did."""
+    plugins: tuple[str, ...] = ()
+    """Files of the user's own that the campaign flies with."""
 
     @property
     def crashed(self) -> int:
@@ -143,8 +147,18 @@ def _written(directory: RunDirectory, flown: int = 0) -> Summary:
     about, (campaign, plans) = manifest.load(directory), plan_of(directory)
     by_id = rows_of(directory)
     checks = write_results(directory, about, campaign, plans, by_id)
-    outcomes = dict(Counter(by_id[plan.flight_id].row["outcome"] for plan in plans if plan.flight_id in by_id))
-    return Summary(directory.path, len(plans), outcomes, flown, about["identity"]["code"] == manifest.MIXED, checks)
+    rows = [by_id[plan.flight_id].row for plan in plans if plan.flight_id in by_id]
+    crashes = (f"{row['flight_id']}: {row['message']}" for row in rows if row["outcome"] == Outcome.CRASHED.value)
+    return Summary(
+        directory.path,
+        len(plans),
+        dict(Counter(row["outcome"] for row in rows)),
+        flown,
+        about["identity"]["code"] == manifest.MIXED,
+        checks,
+        next(crashes, ""),
+        campaign.plugins,
+    )
 
 
 def _now() -> str:

@@ -24,7 +24,7 @@ def write_results(
     results = [by_id[plan.flight_id] for plan in flown]
     rows = [result.row for result in results]
     series = {result.row["flight_id"]: result.series for result in results if result.series is not None}
-    told = provenance(about, len(plans), len(rows))
+    told = provenance(about, plans, len(rows))
     directory.put("timings.csv", _timings(results))
     checks: tuple[CheckResult, ...] = ()
     if not campaign.study.part.flies:

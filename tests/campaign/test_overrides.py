@@ -96,3 +96,9 @@ def test_a_fault_of_the_file_keeps_its_place_beside_overrides(complaint: Callabl
     assert complaint(good.replace("radius_m: 25", "radius_m: 0"), "obstacles.O.speed_mps=30").startswith(
         "bad.yaml:13:15: obstacles.O.radius_m"
     )
+
+
+def test_a_speed_that_the_aircraft_does_not_hold_is_named_as_it_was_typed(complaint: Callable[..., str], good: str) -> None:
+    told = complaint(good, "speed_mps=900").split("\n")[0]
+    assert told.startswith("--set speed_mps=900: speed_mps: gtm_t2 holds ")
+    assert "not 900 m/s" in told

@@ -107,6 +107,21 @@ def test_a_check_is_told_line_by_line_and_a_miss_is_exit_1(tmp_path):
     assert testbed("report", "bad", cwd=tmp_path).returncode == 1
 
 
+def test_a_crash_says_why_and_whose_fault_it_may_be(tmp_path):
+    text = (ROOT / "docs/plugins/holder.py").read_text()
+    (tmp_path / "holder.py").write_text(
+        text.replace("def step(", "def step(self, *told):\n        raise ZeroDivisionError('at tick')\n\n    def was(")
+    )
+    campaign = SMOKE.read_text().partition("sweep:")[0] + "plugins: [./holder.py]\nplant: {kind: kinematic}\n"
+    (tmp_path / "mine.yaml").write_text(campaign + 'planner: {kind: "holder:Planner"}\n')
+    done = testbed("run", "mine.yaml", "--out", "out", "--workers", 1, cwd=tmp_path)
+    (row,) = [json.loads(line)["row"] for line in (tmp_path / "out" / "rows.jsonl").read_text().splitlines()]
+    assert done.returncode == 1
+    assert f"1 crashed: {row['flight_id']}: ZeroDivisionError: at tick; see 'traceback' in out/rows.jsonl\n" in done.stderr
+    assert "the fault may be in a file of the campaign's plug-ins: ./holder.py\n" in done.stderr
+    assert "1 of 1 flight (1 flown now): 1 failed to run\n" in done.stderr
+
+
 def test_a_changed_plan_is_refused_with_what_differs(smoke):
     done = testbed("run", SMOKE, "--out", smoke, "--set", "speed_mps=51", cwd=smoke)
     assert done.returncode == 2
@@ -174,7 +189,15 @@ def test_validate_counts_the_flights_of_each_part(tmp_path):
     text = Path(SMOKE).read_text().partition("sweep:")[0] + "parts:\n  a: {replicates: 3, sweep: {replan.k: [1, 2]}}\n  b: {}\n"
     (tmp_path / "parts.yaml").write_text(text)
     done = testbed("validate", "parts.yaml", cwd=tmp_path)
-    assert done.stdout == "parts.yaml: 7 flights in 3 cells\n  a: 6 flights in 2 cells\n  b: 1 flights in 1 cells\n"
+    assert done.stdout == "parts.yaml: 7 flights in 3 cells\n  a: 6 flights in 2 cells\n  b: 1 flight in 1 cell\n"
+
+
+def test_validate_takes_the_settings_that_run_takes(tmp_path):
+    more = testbed("validate", SMOKE, "--set", "replicates=3", "--set", "sweep.plant.kind=[kinematic]", cwd=tmp_path)
+    assert (more.returncode, more.stdout) == (0, f"{SMOKE}: 6 flights in 2 cells\n")
+    bad = testbed("validate", SMOKE, SMOKE, "--set", "speed_mps=90", cwd=tmp_path)
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert bad.stderr.count("--set speed_mps=90: speed_mps: gtm_t2 holds") == 2
 
 
 def test_what_there_is_to_choose_from(tmp_path):

@@ -109,6 +109,21 @@ def test_two_runs_are_paired_on_what_they_share(run, tmp_path):
         other.series()
 
 
+def test_one_name_is_enough_and_what_cannot_be_is_said_in_words(run):
+    assert list(run.series("own.pos_enu_m")) == list(run.series(["own.pos_enu_m"]))
+    with pytest.raises(ValueError, match=r"no signal 'nope' was kept; there are: time_s, own\.pos_enu_m\.x"):
+        run.series("nope")
+    with pytest.raises(ValueError, match="columns: name at least one column"):
+        run.series([])
+    with pytest.raises(ValueError, match="on: name at least one column"):
+        run.join(run, on=[])
+    with pytest.raises(ValueError, match="'nope' is no column of both runs; there are: flight_id"):
+        run.join(run, on="nope")
+    for there in (run.directory.path, str(run.directory.path)):
+        with pytest.raises(ValueError, match=r"give the other run as open_run\('.*out'\), not as "):
+            run.join(there, on="flight_id")
+
+
 def test_what_is_no_run_is_said_so(run, tmp_path):
     with pytest.raises(BadInputError, match="no such directory"):
         open_run(tmp_path / "nowhere")

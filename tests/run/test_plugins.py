@@ -1,5 +1,6 @@
 """Parts in a file of the user's own: flown in every process, part of what a run is, and there again for report and replay."""
 
+import hashlib
 import json
 import os
 import subprocess
@@ -9,12 +10,14 @@ from pathlib import Path
 import pytest
 
 from testbed.core import plugins
-from testbed.run import runner
+from testbed.run import manifest, runner
 from testbed.run.dask_engine import DaskEngine
-from testbed.run.directory import BadInputError
+from testbed.run.directory import BadInputError, RunDirectory
 from testbed.run.engines import LocalEngine
+from testbed.run.manifest import provenance
 from testbed.run.replay import replay
 from testbed.run.runner import Order
+from testbed.run.stored import plan_of
 from tests.run.test_dask_engine import cluster, needs_dask
 
 __all__ = ["cluster"]
@@ -115,6 +118,16 @@ def test_it_flies_on_a_cluster_of_separate_processes(study: Path, cluster: tuple
     assert there.flown_now == 4
     assert there.crashed == 0
     assert (study / "dask" / "results.csv").read_bytes() == local
+
+
+def test_the_page_says_which_text_of_a_plug_in_was_flown_and_which_package(study: Path) -> None:
+    summary = fly(study, LocalEngine(1))
+    digits = hashlib.sha256(TANGENT.encode()).hexdigest()[:12]
+    assert f"<dt>plug-in tangent</dt><dd>SHA-256 {digits}</dd>" in (summary.directory / "index.html").read_text()
+    directory = RunDirectory(summary.directory)
+    plans = [plan.model_copy(update={"plugins": plan.plugins | {"their-parts==": "1.2"}}) for plan in plan_of(directory)[1]]
+    told = provenance(manifest.load(directory), plans, 4)
+    assert (told["plug-in"], told["package with parts"]) == ({"tangent": f"SHA-256 {digits}"}, {"their-parts": "1.2"})
 
 
 def test_a_run_whose_plug_in_was_tampered_with_is_refused(study: Path) -> None:

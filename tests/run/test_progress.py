@@ -25,4 +25,5 @@ def test_lines_come_seldom_but_the_last_always(capsys, total, seconds_each, expe
 
 def test_crashes_are_told(capsys):
     PlainLines()(4, 4, 2)
-    assert capsys.readouterr().err == "4 of 4 flights, 2 crashed\n"
+    PlainLines()(0, 1, 0)
+    assert capsys.readouterr().err == "4 of 4 flights, 2 crashed\n0 of 1 flight\n"

@@ -111,6 +111,24 @@ def test_options_of_a_study_are_typed_and_told_with_their_place(tmp_path: Path) 
         load_campaign(file)
 
 
+def test_a_study_without_options_is_its_name(tmp_path: Path) -> None:
+    file = tally(tmp_path, CAMPAIGN.replace('{kind: "tally:Tally"}', '"tally:Tally"'))
+    assert load_campaign(file) == load_campaign(tally(tmp_path))
+    file = tally(tmp_path, CAMPAIGN.replace('{kind: "tally:Tally"}', '"tally:Tally"'))
+    assert load_campaign(file, ["study.options.least_m=3"]).study.model_dump() == {"kind": "tally:Tally", "options": {"least_m": 3.0}}
+    assert load_campaign(file, ["study=none"]).study.kind == "none"
+    with pytest.raises(SpecError, match=r"--set study=nope: study\.kind: no study 'nope'; there are: none, scoam, lead_time"):
+        load_campaign(file, ["study=nope"])
+    file.write_text(CAMPAIGN.replace('{kind: "tally:Tally"}', "scaom"))
+    with pytest.raises(SpecError, match=r"tally\.yaml:12:8: study\.kind: no study 'scaom'; there are: none, scoam, lead_time"):
+        load_campaign(file)
+
+
+def test_studies_are_listed_with_what_else_a_campaign_can_name() -> None:
+    assert CliRunner().invoke(app, ["list", "studies"]).stdout.split()[:3] == ["none", *STUDIES]
+    assert "studies:   none, scoam, lead_time" in CliRunner().invoke(app, ["list"]).stdout
+
+
 def test_flights_are_the_same_whoever_judges_them(tmp_path: Path) -> None:
     """Neither the study, nor its options, nor the text of its file is part of what a flight is."""
 

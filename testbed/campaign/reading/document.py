@@ -11,6 +11,7 @@ from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import Problem, Spot, did_you_mean
 from testbed.campaign.reading.vocabulary import Loc
 from testbed.campaign.words.settings import Campaign
+from testbed.campaign.words.study import spelt_out
 
 UNKNOWN = ("extra_forbidden", "unknown_option")
 """Faults of a key rather than of what it leads to."""
@@ -153,7 +154,8 @@ def _put(node: Any, keys: Sequence[str], value: Any) -> tuple[Any, Loc]:
     section = _opened(node)
     if not rest:
         return {**section, key: value}, (key,)
-    item, below = _put(section.get(key, [] if key == "obstacles" else {}), rest, value)
+    there = section.get(key, [] if key == "obstacles" else {})
+    item, below = _put(spelt_out(there) if key == "study" else there, rest, value)
     return {**section, key: item}, (key, *below)
 
 

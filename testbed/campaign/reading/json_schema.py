@@ -40,6 +40,8 @@ def schema() -> str:
     of_part["sweep"] = {"description": "The part's grid; see sweep of the campaign.", "$ref": "#/properties/sweep"}
     of_part["draw"] = {"description": of_part["draw"]["description"], "$ref": "#/properties/draw"}
     of_part["set"] = {"description": of_part["set"]["description"], "$ref": "#/$defs/Settings"}
+    kind = document["$defs"]["StudySpec"]["properties"]["kind"]["anyOf"]
+    own["study"] = {key: part for key, part in own["study"].items() if key != "$ref"} | {"anyOf": [{"$ref": own["study"]["$ref"]}, *kind]}
     return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **_draft7(document)}, indent=2) + "\n"
 
 

@@ -36,6 +36,11 @@ class Reads(Protocol):
     unfit: Callable[..., str | None]
 
 
+def spelt_out(written: Any) -> Any:
+    """``study: scoam`` is short for ``study: {kind: scoam}``."""
+    return {"kind": written} if isinstance(written, str) else written
+
+
 class StudySpec(Pluggable):
     """What judges the flights of a campaign. One campaign has one kind; options can differ between its parts and cells."""
 
@@ -48,6 +53,7 @@ class StudySpec(Pluggable):
     @classmethod
     def _options_are_always_tried(cls, written: Any) -> Any:
         """A study may need options; those that are missing are told also where none is written."""
+        written = spelt_out(written)
         return {"options": {}, **written} if isinstance(written, dict) else written
 
     @classmethod
