@@ -240,3 +240,15 @@ def test_what_no_campaign_could_use_is_one_line(write, family: str, name: str, g
     assert lines[0].startswith("broken  has options that a YAML can say: ")
     assert said in lines[0]
     assert lines[1] == f"{family} 'mine:{name}': 1 of 1 promises broken"
+
+
+@pytest.mark.parametrize(
+    ("body", "said"), [("raise ValueError(f'gain: give more than {gain}')", "gain: give more than -1.0"), ("return 3", "int has no start")]
+)
+def test_a_law_that_cannot_be_made_is_told_once(write, body: str, said: str) -> None:
+    write(f"def make(setting, gain: float = 1.0):\n    {body}\n")
+    kept, told = check("guidance", "mine:make", {"gain": -1.0})
+    broken = [line for line in told if line.startswith("broken")]
+    assert not kept
+    assert len(broken) == 1
+    assert said in broken[0]
