@@ -10,6 +10,9 @@ from pydantic import ValidationError
 from testbed.campaign.reading.document import faults_of
 from testbed.campaign.reading.nodes import parse
 from testbed.campaign.reading.problems import Source, SpecError
+from testbed.campaign.words.planning import MethodSpec, PlannerSpec
+from testbed.campaign.words.pluggable import Pluggable
+from testbed.campaign.words.settings import GuidanceSpec
 from testbed.contracts import flown, guidance, method
 from testbed.contracts.promise import Promise, report
 from testbed.core import options, plugins, registry
@@ -18,6 +21,9 @@ Contract = Callable[[str, Any, Mapping[str, Any]], list[Promise]]
 
 CONTRACTS: dict[str, Contract] = {"method": method.promises, "guidance": guidance.promises, "planner": flown.promises_of_planner}
 """Family to its contract; a method that is a class is a law over time."""
+
+SECTIONS: dict[str, type[Pluggable]] = {"method": MethodSpec, "guidance": GuidanceSpec, "planner": PlannerSpec}
+"""Family to the section of a campaign that names such a part."""
 
 
 class CheckError(Exception):
@@ -36,7 +42,7 @@ def check(family: str, kind: str, given: Mapping[str, Any]) -> tuple[bool, Itera
         part = registry.part(family, kind)
     except (plugins.PluginError, registry.UnknownPartError) as error:
         raise CheckError(str(error)) from None
-    described = _described(family, part, given)
+    described = _described(family, kind, part, given)
     every = [described, *([] if described.broken else _contract(family, part)(kind, part, given))]
     return all(promise.kept for promise in every), report(f"{family} '{kind}'", every)
 
@@ -62,15 +68,35 @@ def given_options(written: Sequence[str]) -> dict[str, Any]:
     return found
 
 
-def _described(family: str, part: Any, given: Mapping[str, Any]) -> Promise:
+def _described(family: str, kind: str, part: Any, given: Mapping[str, Any]) -> Promise:
     """Can a campaign name its options?"""
     what = "has options that a YAML can say"
-    try:
-        options.checked(family, part, registry.given(family, part), given)
-    except options.OptionsError as error:
-        return Promise(what, str(error))
-    except ValidationError as error:
-        return Promise(what, "; ".join(f"{'.'.join(map(str, fault.loc))}: {fault.message}" for fault in faults_of(error)))
+    if refused := _refused(family, kind, part, given):
+        return Promise(what, refused)
     known = list(options.model_of(part, registry.given(family, part)).model_fields)
     doc = inspect.getdoc(part)
     return Promise(what, note=(", ".join(known) or "none") + ("" if doc else "; it has no docstring"))
+
+
+def _refused(family: str, kind: str, part: Any, given: Mapping[str, Any]) -> str:
+    """What a campaign with this part would be told where it is read; empty if nothing.
+
+    What a method that is a function answers when it is tried is left to its promises, which say more; not an option that it refuses.
+    """
+    try:
+        SECTIONS[family].model_validate({"kind": kind, "options": dict(given)})
+    except ValidationError as error:
+        faults = faults_of(error, SECTIONS[family])
+        if family == "method" and not inspect.isclass(part) and _is_described(family, part, given):
+            faults = [fault for fault in faults if len(fault.loc) > 1]
+        return "; ".join(f"{'.'.join(map(str, fault.loc[1:]))}: ".lstrip(": ") + fault.message for fault in faults)
+    return ""
+
+
+def _is_described(family: str, part: Any, given: Mapping[str, Any]) -> bool:
+    """Are the options such as the signature of the part has them?"""
+    try:
+        options.checked(family, part, registry.given(family, part), given)
+    except (options.OptionsError, ValidationError):
+        return False
+    return True

@@ -32,11 +32,15 @@ def promises(kind: str, make: Callable[..., Law], options: Mapping[str, Any]) ->
         hold = SpeedHold(SPEED_MPS, airspeed=True, keep_schedule=False)
         return make(GuidanceSetting(load_aircraft(aircraft), hold, DT_S), **options)
 
+    made = first_broken("can be made with its options", [(f"for {AIRCRAFT}", lambda: _made(law()))])
+    if made.broken:
+        return [made]
     path = ActivePath((ph.hermite((0, 0, 0), (900, 0, 0), (900, 0, 0), (900, 0, 0)),))
     states = [
         (f"{left:g} m left of and {up:g} m above its path", _state(left, up)) for left in (-40.0, 0.0, 40.0) for up in (-20.0, 0.0, 20.0)
     ]
     return [
+        made,
         first_broken("starts on a path with a memory that has s_m", [("at 0 m", lambda: _starts(law()))]),
         first_broken(
             "answers with finite commands within the aircraft's limits",
@@ -60,6 +64,11 @@ def _state(left_m: float, up_m: float) -> State:
     return State(
         **still | {"x": 300.0, "y": left_m, "z": up_m, "vx": SPEED_MPS, "heading": 90.0 * DEG, "load_factor": 1.0, "airspeed": SPEED_MPS}
     )
+
+
+def _made(law: Law) -> str:
+    missing = [name for name in ("start", "step") if not callable(getattr(law, name, None))]
+    return f"a guidance law needs start and step; {type(law).__name__} has no {' and no '.join(missing)}" if missing else ""
 
 
 def _starts(law: Law) -> str:

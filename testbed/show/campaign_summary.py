@@ -25,6 +25,11 @@ def flyer(row: Row) -> str:
     return words.flyer(str(row["plant"]), str(row["aircraft"]))
 
 
+def method(row: Row) -> str:
+    """The avoidance method, with those of its options that are swept."""
+    return words.method_with(str(row["method"]), row["labels"])
+
+
 def listed_axes(rows: Sequence[Row]) -> list[str]:
     """Sweep axes that are not just the plant, the aircraft or the method once more, in the flights that have the axis."""
     axes = dict.fromkeys(axis for row in rows for axis in row["labels"])
@@ -43,7 +48,7 @@ def telling_axes(rows: Sequence[Row]) -> list[str]:
         labels: dict[tuple[str, str, str], set[str]] = {}
         for row in rows:
             if axis in row["labels"]:
-                labels.setdefault((flyer(row), str(row["method"]), str(row.get("geometry"))), set()).add(str(row["labels"][axis]))
+                labels.setdefault((flyer(row), method(row), str(row.get("geometry"))), set()).add(str(row["labels"][axis]))
         return all(len(seen) == 1 for seen in labels.values())
 
     return [axis for axis in axes if not said_already(axis)]
@@ -102,8 +107,10 @@ def sentences(rows: Sequence[Row], matched: Sequence[Pair]) -> list[str]:
     met = [row for row in rows if met_obstacle(row)]
     for name in dict.fromkeys(flyer(row) for row in met):
         mine = [row for row in met if flyer(row) == name]
-        methods = list(dict.fromkeys(str(row["method"]) for row in mine))
-        parts = [f"in {_collided([r for r in mine if r['method'] == method])} {_with(method)}" for method in methods]
+        by_method: dict[str, list[Row]] = {}
+        for row in mine:
+            by_method.setdefault(method(row), []).append(row)
+        parts = [f"in {_collided(same)} {_with(same[0])}" for same in by_method.values()]
         said.append(f"{'The ' if mine[0]['plant'] == KINEMATIC else ''}{name} came closer than an obstacle's radius {words.listed(parts)}.")
     return said + _comparison([pair for pair in matched if pair.flown["replans"]])
 
@@ -118,8 +125,8 @@ def verdict(checks: Sequence[CheckResult]) -> list[str]:
     return [f"Check missed: {len(missed)} of {words.counted(len(checks), 'line')} out of tolerance."]
 
 
-def _with(method: str) -> str:
-    return "without avoidance" if method == "none" else f"with {words.method(method)}"
+def _with(row: Row) -> str:
+    return "without avoidance" if row["method"] == "none" else f"with {method(row)}"
 
 
 def _collided(rows: Sequence[Row]) -> str:
@@ -173,7 +180,7 @@ def cards(rows: Sequence[Row]) -> list[dict[str, str]]:
                 {
                     "number": f"{text(column, worst)} {column.unit}".strip(),
                     "name": name,
-                    "note": f"{flyer(worst)}, {words.method(worst['method'])}",
+                    "note": f"{flyer(worst)}, {method(worst)}",
                     "tone": tone,
                 }
             )
@@ -197,7 +204,7 @@ def cells(rows: Sequence[Row], axes: Sequence[str]) -> list[dict[str, Any]]:
             {
                 "circumstances": circumstances(first, axes),
                 "flyer": flyer(first),
-                "method": words.method(str(first["method"])),
+                "method": method(first),
                 "n": len(members),
                 "rows": members,
                 "collided": _collided(members).removesuffix(" flights").removesuffix(" flight"),

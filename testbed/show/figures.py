@@ -7,6 +7,7 @@ from typing import Any
 from testbed.results.flight_row import collided, value
 from testbed.show import palette, words
 from testbed.show.campaign_summary import KINEMATIC, Row, circumstances, flyer
+from testbed.show.campaign_summary import method as method_of
 
 MOST_PER_GROUP = 30
 MOST_IN_ALL = 150  # keeps the page under 3 MB
@@ -42,7 +43,7 @@ def figure_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]
                 part
                 for part in (
                     flyer(row),
-                    words.method(str(row["method"])),
+                    method_of(row),
                     ", ".join(words.circumstance(axis, str(row["labels"][axis])) for axis in own_axes if axis in row["labels"]),
                 )
                 if part

@@ -52,7 +52,7 @@ def render_page(
         .render(
             campaign=campaign,
             page_head=head,
-            axes=listed_axes,
+            axes=[words.axis_heading(axis) for axis in listed_axes],
             sentences=campaign_summary.verdict(checks) + (campaign_summary.sentences(rows, matched) if rows else ["No flight was flown."]),
             cards=campaign_summary.cards(rows) if rows else [],
             checks=[_check(line) for line in checks],
@@ -125,7 +125,7 @@ def _pair(pair: campaign_summary.Pair, axes: Sequence[str]) -> dict[str, Any]:
         )
         or "the encounter",
         "flyer": campaign_summary.flyer(pair.flown),
-        "method": words.method(str(pair.flown["method"])),
+        "method": campaign_summary.method(pair.flown),
         "verdict": pair.verdict,
         "good": keeps(pair.flown),
         "known": pair.known,
@@ -158,11 +158,11 @@ def _decision(row: Row, event: Row, axes: Sequence[str]) -> dict[str, Any]:
     curvature = value(event, "max_curvature_to_insertion_1pm")
     bank_deg, load = level_turn(math.hypot(*_vector(event, "own_vel_enu_mps")), curvature)
     radius = radius_m(curvature)
+    method = campaign_summary.method(row) if event["method"] == row["method"] else words.method(str(event["method"]))
     return {
         "circumstances": campaign_summary.circumstances(row, axes) or "the encounter",
         "flyer": campaign_summary.flyer(row),
-        "method": words.method(str(event["method"])),
-        "obstacle": event["obstacle"],
+        "method": f"{method} against {event['obstacle']}" if event["obstacle"] else method,
         "decision": words.read_aloud(str(event["decision"])),
         "done": event["decision"] in NEW_PATH,
         "cells": [

@@ -140,6 +140,23 @@ def circumstance(axis: str, label: str) -> str:
     return f"{axis} {label}" if _BARE.fullmatch(label) else label
 
 
+OF_THE_METHOD: Final = "method.options."
+"""What the axes begin with whose labels are part of the method's name."""
+
+
+def method_with(name: str, labels: Mapping[str, str]) -> str:
+    """An avoidance method with those of its options that a campaign sweeps: ``tangent:avoid, side = left``."""
+    swept = [f"{axis.removeprefix(OF_THE_METHOD)} = {label}" for axis, label in labels.items() if axis.startswith(OF_THE_METHOD)]
+    return ", ".join([method(name), *swept])
+
+
+def axis_heading(axis: str) -> str:
+    """An axis as the heading of a column: of a dotted path its last word, and in brackets what it belongs to, ``side (method)``."""
+    section, _, name = axis.rpartition(".")
+    section = section.removesuffix(".options").replace(".", " ")
+    return section if section and name == "kind" else f"{name} ({section})" if section else name
+
+
 def outcome(name: str) -> str:
     """What a flight did, briefly."""
     return OUTCOME_NAMES[Outcome(name)][0] if name in OUTCOME_NAMES else read_aloud(name)

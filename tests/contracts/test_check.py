@@ -190,3 +190,65 @@ def test_what_a_planner_breaks_is_named(write, step: str, said: str) -> None:
     kept, lines = check("planner", "mine:Planner", {})
     assert not kept
     assert any(line.startswith("broken") and said in line for line in lines), "\n".join(lines)
+
+
+PARTS = """\
+class Idle:
+    def start(self, context): ...
+
+class Veer:
+    def __init__(self, setting): ...
+    def start(self, s_m): ...
+
+class Steers(Idle):
+    def __init__(self, gain: float = 1.0):
+        if gain <= 0.0:
+            raise ValueError(f"gain: give a number above 0, got {gain}")
+    def steer(self, memory, time_s, own, seen): ...
+
+class Leaves(Idle):
+    def __init__(self):
+        raise SystemExit(3)
+    def step(self, memory, time_s, state, seen): ...
+
+def aside(own, obstacles, gain: float = 1.0):
+    if gain <= 0.0:
+        raise ValueError(f"gain: give a number above 0, got {gain}")
+    x, y, z = own.vel_mps
+    return Choice((-y, x, z), 'avoided')
+"""
+
+
+@pytest.mark.parametrize(
+    ("family", "name", "given", "said"),
+    [
+        ("method", "Idle", {}, "a steering law needs start and steer; Idle has no steer"),
+        ("planner", "Idle", {}, "a planner needs start and step; Idle has no step"),
+        ("planner", "aside", {}, "this is a function that wants own, obstacles; a planner is a class with start and step"),
+        ("guidance", "Veer", {}, "a guidance law needs start and step; Veer has no step"),
+        ("planner", "Leaves", {}, "fails when it is tried: SystemExit: 3"),
+        ("method", "Steers", {"gain": -1.0}, "gain: give a number above 0, got -1.0"),
+        ("method", "aside", {"gain": -1.0}, "gain: give a number above 0, got -1.0"),
+    ],
+)
+def test_what_no_campaign_could_use_is_one_line(write, family: str, name: str, given: dict, said: str) -> None:
+    write(PARTS)
+    kept, told = check(family, f"mine:{name}", given)
+    lines = list(told)
+    assert not kept
+    assert len(lines) == 2, lines
+    assert lines[0].startswith("broken  has options that a YAML can say: ")
+    assert said in lines[0]
+    assert lines[1] == f"{family} 'mine:{name}': 1 of 1 promises broken"
+
+
+@pytest.mark.parametrize(
+    ("body", "said"), [("raise ValueError(f'gain: give more than {gain}')", "gain: give more than -1.0"), ("return 3", "int has no start")]
+)
+def test_a_law_that_cannot_be_made_is_told_once(write, body: str, said: str) -> None:
+    write(f"def make(setting, gain: float = 1.0):\n    {body}\n")
+    kept, told = check("guidance", "mine:make", {"gain": -1.0})
+    broken = [line for line in told if line.startswith("broken")]
+    assert not kept
+    assert len(broken) == 1
+    assert said in broken[0]

@@ -122,6 +122,37 @@ def test_axes_that_only_some_parts_have(four: tuple[list[Row], dict[str, Any]]) 
     ]
 
 
+def test_a_swept_option_of_the_method_is_part_of_the_method_s_name(four: tuple[list[Row], dict[str, Any]]) -> None:
+    rows, series = four
+    for row, side in zip(rows, ("left", "right") * 2, strict=True):
+        row |= {"method": "tangent:avoid", "labels": {"method.options.side": side, "replan.k": "1.5" if side == "left" else "2"}}
+        for event in row["events"]:
+            event["method"] = "tangent:avoid"
+    assert campaign_summary.telling_axes(rows) == []
+    page = render_page(campaign(replicates=2), rows, series, PROVENANCE)
+    for heading in ("side (method)", "k (replan)"):
+        assert f'<button type="button">{heading}</button>' in page
+    assert "method.options.side" not in page
+    text = " ".join(" ".join(parsed(page).text).split())
+    assert "1 of 1 flight with tangent:avoid, side = left and in 1 of 1 flight with tangent:avoid, side = right." in text
+    assert "the encounter kinematic point tangent:avoid, side = left against" in text
+    assert figures.figure_data(rows, series, [])["flights"]["fjsbsimscoam"]["name"] == "gtm_t2 flown in JSBSim, tangent:avoid, side = right"
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+def test_a_long_heading_wraps_within_its_column(browser: Any, four: tuple[list[Row], dict[str, Any]], tmp_path: Path) -> None:
+    rows, series = four
+    for k, row in enumerate(rows):
+        row["labels"] = {"planner.options.a_name_that_is_much_longer_than_any_column_is_wide": str(k)}
+    (tmp_path / "index.html").write_text(render_page(campaign(), rows, series, PROVENANCE), encoding="utf-8")
+    page = browser.new_page()
+    page.goto((tmp_path / "index.html").as_uri())
+    wide = page.evaluate("[...document.querySelectorAll('#flights thead button')].filter(b => b.scrollWidth > b.clientWidth + 1).length")
+    page.close()
+    assert wide == 0
+
+
 @pytest.mark.parametrize(
     ("point", "craft", "verdict"),
     [

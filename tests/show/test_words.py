@@ -85,3 +85,17 @@ def test_who_flew_and_under_which_circumstances() -> None:
     assert words.circumstance("reading", "as_printed") == "as_printed"
     assert words.circumstance("replan.magnitude_chords", "1.5") == "replan.magnitude_chords 1.5"
     assert words.circumstance("vary", "true") == "vary true"
+
+
+@pytest.mark.parametrize(
+    ("axis", "heading"),
+    [
+        ("reading", "reading"),
+        ("method.kind", "method"),
+        ("method.options.side", "side (method)"),
+        ("planner.options.aside_deg", "aside_deg (planner)"),
+        ("air.wind.speed_mps", "speed_mps (air wind)"),
+    ],
+)
+def test_an_axis_heads_its_column_in_words(axis: str, heading: str) -> None:
+    assert words.axis_heading(axis) == heading
