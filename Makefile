@@ -53,7 +53,7 @@ test: $(STAMP) ## style, types, import order, all tests
 	$(BIN)/ruff format --check $(CHECKED)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest
+	$(BIN)/pytest -n 2 --dist loadfile
 
 fast: $(STAMP) ## the tests that take no longer than a second
 	$(BIN)/pytest -n auto -m "not slow and not browser and not viewer"
