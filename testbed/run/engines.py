@@ -231,8 +231,8 @@ def _work(pipe: Connection, fn: Callable[[Any], Any]) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be blocked from the start
     threading.Thread(target=_end_with_the_driver, daemon=True).start()
     os.dup2(2, 1)  # stdout belongs to the driver, even from C++
-    pipe.send(None)
-    with contextlib.suppress(EOFError, ConnectionError):
+    with contextlib.suppress(EOFError, ConnectionError):  # the driver may be done before this worker has started
+        pipe.send(None)
         while True:
             number, item = pipe.recv()
             pipe.send_bytes(_answer(fn, number, item))

@@ -1,3 +1,4 @@
+import multiprocessing
 import multiprocessing.resource_tracker
 import os
 import signal
@@ -8,7 +9,7 @@ import time
 
 import pytest
 
-from testbed.run.engines import Died, EngineError, LocalEngine, usable_cores
+from testbed.run.engines import Died, EngineError, LocalEngine, _work, usable_cores
 from tests.run import fakes
 
 pytestmark = pytest.mark.slow  # every test spawns processes
@@ -136,6 +137,17 @@ def test_leaving_early_ends_the_workers(tmp_path):
     pids = [int(path.name) for path in tmp_path.iterdir()]
     assert len(pids) == 2
     assert not any(map(alive, pids))
+
+
+def test_a_worker_that_starts_when_all_is_done_ends_in_silence(capfd):
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    worker = context.Process(target=_work, args=(theirs, fakes.square))
+    worker.start()
+    ours.close()
+    theirs.close()
+    worker.join(60)
+    assert (worker.exitcode, capfd.readouterr().err) == (0, "")
 
 
 def test_workers_that_cannot_start_are_an_error_not_an_endless_loop(tmp_path, monkeypatch, capfd):
