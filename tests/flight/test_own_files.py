@@ -1,6 +1,8 @@
 """The files of docs/plugins, each copied to a folder outside the repository and flown from a campaign there, by every plant."""
 
+import inspect
 import math
+import re
 import shutil
 from pathlib import Path
 
@@ -151,6 +153,20 @@ def test_every_file_says_how_it_is_named_in_a_campaign() -> None:
     for file in FILES.glob("*.py"):
         assert f"plugins: [./{file.name}]" in file.read_text()
         assert file.name in (FILES / "README.md").read_text()
+
+
+def test_the_imports_and_fields_that_the_docs_name_are_there() -> None:
+    text = (FILES / "README.md").read_text()
+    names: dict[str, type] = {}
+    imports = re.findall(r"`(from [\w.]+ import [\w, ]+)`", text)
+    assert len(imports) > 10
+    for line in imports:
+        exec(line, names)
+    for name in ("Own", "Obstacle", "State", "Seen"):
+        told = re.search(rf"^\| `{name}` \| (.*?)[;|]", text, re.MULTILINE)
+        assert told
+        fields = " ".join(re.findall("`([^`]*)`", told[1])).split()
+        assert fields == list(inspect.signature(names[name]).parameters), name
 
 
 def test_considering_all_acts_in_a_flight() -> None:

@@ -124,6 +124,20 @@ def test_a_study_without_options_is_its_name(tmp_path: Path) -> None:
         load_campaign(file)
 
 
+def test_the_example_of_the_docs_judges_and_judges_anew(tmp_path: Path) -> None:
+    text = (TESTBED.parent / "docs/plugins/tally.py").read_text()
+    campaign = CAMPAIGN.replace('"tally:Tally"', '"tally:Tally", options: {least_m: 1.5}')
+    out = tmp_path / "out"
+    for file, kept, flown_now in ((text, 2, 4), (text.replace(">= self.least_m", ">= -1e9"), 4, 0)):
+        summary = runner.run(Order(tally(tmp_path, campaign, file), Here(), out))
+        assert (summary.planned, summary.crashed, summary.flown_now) == (4, 0, flown_now)
+        assert (out / "tally.csv").read_text() == f"kept,flights\n{kept},4\n"
+        assert f'<h2 id="tally">{kept} of 4 flights stay 1.5 m clear</h2>' in (out / "index.html").read_text()
+    tally(tmp_path, CAMPAIGN.replace("obstacles: [", "#"), text)
+    with pytest.raises(SpecError, match="the study 'tally:Tally' needs an obstacle"):
+        load_campaign(tmp_path / "tally.yaml")
+
+
 def test_studies_are_listed_with_what_else_a_campaign_can_name() -> None:
     assert CliRunner().invoke(app, ["list", "studies"]).stdout.split()[:3] == ["none", *STUDIES]
     assert "studies:   none, scoam, lead_time" in CliRunner().invoke(app, ["list"]).stdout
