@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from testbed.campaign import SpecError, load_campaign
+from testbed.campaign.reading.problems import NOWHERE, Problem
 
 Complaint = Callable[..., str]
 
@@ -303,6 +304,10 @@ def test_line_ends_of_other_systems_and_a_byte_order_mark(
 
 def test_what_a_value_holds_cannot_reach_the_terminal(complaint: Complaint, good: str) -> None:
     assert "\x1b" not in complaint(good.replace("name: demo", 'name: "\\e[31m"'))
+
+
+def test_what_a_part_says_on_two_lines_is_told_on_one() -> None:
+    assert str(Problem(NOWHERE, "method.options", "no such side:\nuse left")) == "method.options: no such side: use left"
 
 
 def test_a_long_line_is_shown_around_its_column(complaint: Complaint, good: str) -> None:

@@ -12,8 +12,14 @@ TAB = "\t"
 
 
 def _printable(text: str, keep: str = "") -> str:
-    """Text that a terminal can be trusted with."""
-    return "".join(character if character.isprintable() or character in keep else "\ufffd" for character in text)
+    """Text of one line that a terminal can be trusted with: the end of a line is a space."""
+    return "".join(_shown(character) if character not in keep else character for character in text)
+
+
+def _shown(character: str) -> str:
+    if character.isprintable():
+        return character
+    return " " if character.isspace() else "\ufffd"
 
 
 @dataclass(frozen=True)
