@@ -125,8 +125,9 @@ def test_the_page_says_which_text_of_a_plug_in_was_flown_and_which_package(study
     digits = hashlib.sha256(TANGENT.encode()).hexdigest()[:12]
     assert f"<dt>plug-in tangent</dt><dd>SHA-256 {digits}</dd>" in (summary.directory / "index.html").read_text()
     directory = RunDirectory(summary.directory)
-    plans = [plan.model_copy(update={"plugins": plan.plugins | {"their-parts==": "1.2"}}) for plan in plan_of(directory)[1]]
-    told = provenance(manifest.load(directory), plans, 4)
+    told_of = manifest.load(directory)
+    told_of["identity"]["packages"] = {"their-parts": "1.2"}
+    told = provenance(told_of, plan_of(directory)[1], 4)
     assert (told["plug-in"], told["package with parts"]) == ({"tangent": f"SHA-256 {digits}"}, {"their-parts": "1.2"})
 
 
