@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy import stats
+from scipy import special  # not scipy.stats: that takes two seconds to import, in every process that writes a page
 
 LEVEL: Final = 0.95
 LEAST_PAIRS: Final = 6  # fewer have no interval of 95 % for their median
@@ -61,15 +61,19 @@ def share_interval(count: int, n: int) -> tuple[float, float]:
     """Two-sided 95 % interval of a share, Clopper-Pearson; NaN for no flights."""
     if n == 0:
         return NAN, NAN
-    interval = stats.binomtest(count, n).proportion_ci(LEVEL, method="exact")
-    return float(interval.low), float(interval.high)
+    return _share_above(count, n, 0.5 * (1.0 - LEVEL)), 1.0 - _share_above(n - count, n, 0.5 * (1.0 - LEVEL))
 
 
 def share_at_least(count: int, n: int) -> float:
     """One-sided 95 % lower bound of a share, Clopper-Pearson. 0.99 is reached by 299 of 299, and not by 298 of 298."""
     if n == 0:
         return NAN
-    return float(stats.binomtest(count, n, alternative="greater").proportion_ci(LEVEL, method="exact").low)
+    return _share_above(count, n, 1.0 - LEVEL)
+
+
+def _share_above(count: int, n: int, tail: float) -> float:
+    """The share with which ``count`` or more of ``n`` come out with probability ``tail``."""
+    return float(special.betaincinv(count, n - count + 1, tail)) if count else 0.0
 
 
 def share(what: str, count: int, n: int) -> Effect:
@@ -86,11 +90,12 @@ def median(what: str, unit: str, differences: Iterable[float]) -> Effect:
     middle = float(np.median(found))
     if n < LEAST_PAIRS:
         return Effect(what, unit, middle, NAN, NAN, n)
-    rank = int(stats.binom.ppf(0.5 * (1.0 - LEVEL), n, 0.5))  # from 1: the rank-th from below and from above
+    tails = special.bdtr(np.arange(n + 1), n, 0.5)
+    rank = int(np.searchsorted(tails, 0.5 * (1.0 - LEVEL)))  # from 1: the rank-th from below and from above
     return Effect(what, unit, middle, found[rank - 1], found[n - rank], n)
 
 
 def mcnemar(only_first: int, only_second: int) -> float:
     """Exact two-sided p that pairs in which just one of two holds fall either way alike; 1 without such pairs."""
     n = only_first + only_second
-    return 1.0 if n == 0 else float(stats.binomtest(only_first, n, 0.5).pvalue)
+    return min(1.0, 2.0 * float(special.bdtr(min(only_first, only_second), n, 0.5)))

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.special import expit
-from scipy.stats import binom
 
 from testbed.core.seeds import stream
 from testbed.results.statistics import share_at_least
@@ -35,6 +34,8 @@ def quantile(values: Sequence[float], share: float) -> Estimate:
     n = len(ordered)
     if not n:
         return Estimate(math.nan, math.nan, math.nan)
+    from scipy.stats import binom  # here, because it takes two seconds to import
+
     tail = 0.5 * (1.0 - CONFIDENCE)
     below, above = int(binom.ppf(tail, n, share)), int(binom.ppf(1.0 - tail, n, share)) + 1
     low = ordered[below - 1] if below >= 1 else -math.inf
