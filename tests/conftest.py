@@ -1,6 +1,11 @@
 """What every test relies on."""
+# ruff: noqa: E402
 
 import signal
+
+from testbed.core import one_thread
+
+one_thread.ask()  # before numpy is there
 
 from tests.made import browser, make_metrics, make_record
 

@@ -117,12 +117,10 @@ def respond(a: Array, b: Array, start: Array, time_s: Array) -> Array:
     augmented = np.zeros((size + 1, size + 1))
     augmented[:size, :size], augmented[:size, size] = a, b
     step = expm(augmented * float(time_s[1] - time_s[0]))
-    state = np.append(start, 1.0)
-    states = np.empty((len(time_s), size))
-    for k in range(len(time_s)):
-        states[k] = state[:size]
-        state = step @ state
-    return states
+    states = np.append(start, 1.0)[:, None]
+    while states.shape[1] < len(time_s):  # as many again at once: the step is then that of all there are
+        states, step = np.hstack([states, step @ states]), step @ step
+    return states[:size, : len(time_s)].T
 
 
 def roll_in_one_degree(model: LinearModel) -> tuple[float, float]:

@@ -4,15 +4,15 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 LEAST_PAIRS = 6
 
 
 def share_bounds(count: int, n: int) -> tuple[float, float]:
     """Two-sided 95 % interval of a share after Clopper and Pearson, from quantiles of the beta distribution."""
-    low = float(stats.beta.ppf(0.025, count, n - count + 1)) if count else 0.0
-    return low, float(stats.beta.ppf(0.975, count + 1, n - count)) if count < n else 1.0
+    low = float(special.betaincinv(count, n - count + 1, 0.025)) if count else 0.0
+    return low, float(special.betaincinv(count + 1, n - count, 0.975)) if count < n else 1.0
 
 
 def median_bounds(values: Sequence[float]) -> tuple[float, float, float]:
@@ -21,5 +21,5 @@ def median_bounds(values: Sequence[float]) -> tuple[float, float, float]:
     n = len(ordered)
     if n < LEAST_PAIRS:
         return float(np.median(ordered)) if n else math.nan, math.nan, math.nan
-    r = int(np.argmax(stats.binom.cdf(np.arange(n + 1), n, 0.5) >= 0.025))
+    r = int(np.argmax(special.bdtr(np.arange(n + 1), n, 0.5) >= 0.025))
     return float(np.median(ordered)), float(ordered[r - 1]), float(ordered[n - r])

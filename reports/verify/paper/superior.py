@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from scipy import stats
+from scipy import special
 
 from .comparisons import drawn_pairs, gains
 from .flights import SIDES, Figure, Flights, keeps_radius, label, number, route_length
@@ -62,7 +62,7 @@ def _safer(flights: Flights, rung: str, plane: str) -> str:
     n = only_us + only_them
     if not n:
         return "equal"
-    p = min(1.0, 2.0 * float(stats.binom.cdf(min(only_us, only_them), n, 0.5)))
+    p = min(1.0, 2.0 * float(special.bdtr(min(only_us, only_them), n, 0.5)))
     return "open" if p >= 0.05 else "better" if only_us > only_them else "worse"
 
 
