@@ -14,7 +14,6 @@ import pytest
 
 from testbed.core.catalogue import PATH_VARIABLE, aircraft_folders
 from testbed.run.identity import code_hash
-from tests.run.test_dask_engine import started_cluster
 
 ROOT = Path(__file__).parents[2]
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet", "--no-input")
@@ -120,8 +119,11 @@ def first_row(run: Path) -> dict[str, str]:
         return next(csv.DictReader(file))
 
 
-def test_a_planner_a_law_and_a_sensor_of_one_s_own_fly_from_the_wheel(installed: Installed, tmp_path: Path) -> None:
-    """In local workers and on a cluster of separate processes; changed by one line they are flown again; page, replay and report work."""
+def test_a_planner_a_law_and_a_sensor_of_one_s_own_fly_from_the_wheel(installed: Installed) -> None:
+    """In local workers; changed by one line each is another part; without its files the run can still be flown again.
+
+    On a cluster, and what a changed part flies: ``tests/run/test_plugins.py``.
+    """
     study = installed.elsewhere / "own"
     study.mkdir()
     for file in PARTS:
@@ -135,10 +137,6 @@ def test_a_planner_a_law_and_a_sensor_of_one_s_own_fly_from_the_wheel(installed:
     results, row = (local / "results.csv").read_bytes(), first_row(local)
     assert float(row["replans"]) >= 1.0, "the planner acted"
     assert "</html>" in (local / "index.html").read_text(encoding="utf-8")
-    with started_cluster(tmp_path, installed.site) as (address, _):
-        there = installed.run(*TESTBED, "run", "own/own.yaml", "--out", "own/dask", "--engine", "dask", "--scheduler", address)
-    assert there.returncode == 0, there.stderr
-    assert (study / "dask" / "results.csv").read_bytes() == results
     for file, (_, line, changed) in PARTS.items():
         text = (study / file).read_text()
         assert text.count(line) == 1
@@ -147,15 +145,10 @@ def test_a_planner_a_law_and_a_sensor_of_one_s_own_fly_from_the_wheel(installed:
         assert refused.returncode == 2
         assert f"plug-in {file.removesuffix('.py')}" in refused.stderr
         assert (local / "results.csv").read_bytes() == results, "nothing is lost"
-        flown = installed.run(*again, "--fresh")
-        assert "(2 flown now)" in flown.stderr
-        assert (local / "results.csv").read_bytes() != results
-        results = (local / "results.csv").read_bytes()
+        (study / file).write_text(text)
     for file in PARTS:
         (study / file).unlink()  # the run has its own
-    assert installed.run(*TESTBED, "report", "own/local").returncode == 0
-    assert (local / "results.csv").read_bytes() == results
-    replayed = installed.run(*TESTBED, "replay", "own/local", first_row(local)["flight_id"])
+    replayed = installed.run(*TESTBED, "replay", "own/local", row["flight_id"])
     assert replayed.returncode == 0, replayed.stderr
     assert "equal its row" in replayed.stderr
 
