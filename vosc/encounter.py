@@ -80,7 +80,8 @@ class Threat:
 
 def threatening(obstacles: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
     """Those that are marked as threats, and those that are not marked at all."""
-    return tuple(obstacle for obstacle in obstacles if obstacle.is_threat is not False)
+    met = tuple(obstacle for obstacle in obstacles if obstacle.is_threat is not False)
+    return obstacles if isinstance(obstacles, tuple) and len(met) == len(obstacles) else met
 
 
 def relative_velocity(own_vel_mps: Vec, obstacle_vel_mps: Vec) -> tuple[Vec, float]:

@@ -23,7 +23,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from vosc.encounter import Obstacle, Own, cone_margin, threatening
+from vosc.crowd import Scene
+from vosc.encounter import Obstacle, Own, cone_margin
 from vosc.errors import WrongAnswer, WrongOption
 from vosc.methods.choice import Choice, Status
 from vosc.methods.differential_geometry import differential_geometry
@@ -87,17 +88,21 @@ def avoid(method: str | Method, own: Own, obstacles: Sequence[Obstacle], **optio
         if not options.keys() <= OPTIONS[name]:
             unknown = ", ".join(sorted(options.keys() - OPTIONS[name]))
             raise WrongOption(f"method '{name}' has no option {unknown}; it has: {', '.join(sorted(OPTIONS[name])) or 'none'}")
-    obstacles = tuple(obstacles)
-    met = threatening(obstacles)
-    present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in met), default=math.inf)
-    if any(math.dist(own.pos_m, o.pos_m) < o.radius_m for o in met):
+    obstacles = Scene(obstacles)
+    met = obstacles.threats
+    present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in met.near_the_least_margin(own.pos_m, own.vel_mps)), default=math.inf)
+    if met.has_inside(own.pos_m):
         choice = Choice(own.vel_mps, Status.INSIDE)
     elif present >= -MARGIN_RAD:
         choice = Choice(own.vel_mps, Status.CLEAR)
     else:
         choice = checked_choice(method(own, obstacles, **options))
     kept = choice.velocity_mps == own.vel_mps
-    margin = present if kept else min(cone_margin(own.pos_m, choice.velocity_mps, o) for o in met)
+    margin = (
+        present
+        if kept
+        else min(cone_margin(own.pos_m, choice.velocity_mps, o) for o in met.near_the_least_margin(own.pos_m, choice.velocity_mps))
+    )
     status = Status(choice.status)
     if status is Status.AVOIDED and margin < -MARGIN_RAD:
         status = Status.UNSAFE

@@ -9,8 +9,8 @@ azimuth.
 from collections.abc import Sequence
 from typing import Literal
 
-from vosc.cone import exact_cones
-from vosc.encounter import Obstacle, Own, threatening
+from vosc.crowd import exact_cones, scene_of
+from vosc.encounter import Obstacle, Own
 from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import Circle, least_turn, level_circle, vertical_circle
@@ -19,7 +19,7 @@ from vosc.turns import Circle, least_turn, level_circle, vertical_circle
 def _best(own: Own, obstacles: Sequence[Obstacle], circle: Circle, senses: tuple[int, ...]) -> Choice:
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
-    found = least_turn(exact_cones(own, threatening(obstacles)), [circle], senses)
+    found = least_turn(exact_cones(own, scene_of(obstacles).threats), [circle], senses)
     return undefined(own) if found is None else Choice(found, Status.AVOIDED)
 
 

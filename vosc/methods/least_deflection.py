@@ -3,8 +3,8 @@
 import math
 from collections.abc import Callable, Sequence
 
-from vosc.cone import exact_cones
-from vosc.encounter import Obstacle, Own, threatening
+from vosc.crowd import exact_cones, scene_of
+from vosc.encounter import Obstacle, Own
 from vosc.errors import WrongOption
 from vosc.free import nearest_free
 from vosc.methods.choice import Choice, Status, none_free
@@ -22,7 +22,7 @@ def least_deflection(own: Own, obstacles: Sequence[Obstacle], speed_range_mps: t
     the range, and among equal turns the least change of speed (a grid of 33 speeds, refined round its best). ``WrongOption`` unless
     0 < low <= high.
     """
-    cones = exact_cones(own, threatening(obstacles))
+    cones = exact_cones(own, scene_of(obstacles).threats)
 
     def at_speed(speed: float) -> Vec | None:
         return nearest_free(cones, speed, own.vel_mps)

@@ -10,12 +10,18 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from vosc.cone import Cone
-from vosc.encounter import Obstacle, Own, relative_velocity, threatening
+from vosc.crowd import FEW, MARGIN, Crowd, Scene, length, scene_of
+from vosc.crowd import cross as cross_rows
+from vosc.encounter import Obstacle, Own, relative_velocity
 from vosc.errors import WrongOption
 from vosc.free import nearest_free
 from vosc.methods.choice import Choice, Status, undefined
-from vosc.vec import Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
+from vosc.vec import FloatArray, Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
+
+SURE = 1e-5  # shares above this: rounding is far below MARGIN
 
 
 class HalfSpace(NamedTuple):
@@ -117,15 +123,70 @@ def orca(
         raise WrongOption(f"responsibility: give a share in (0, 1], got {responsibility}")
     if not horizon_s > 0.0:
         raise WrongOption(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
-    spaces = [half_space(own, o, responsibility, horizon_s) for o in threatening(obstacles)]
-    speed = norm(own.vel_mps)
+    scene, speed = scene_of(obstacles).threats, norm(own.vel_mps)
     if not keep_speed:
-        point = nearest_in_ball(spaces, own.vel_mps, speed)
+        point = nearest_in_ball([half_space(own, o, responsibility, horizon_s) for o in scene], own.vel_mps, speed)
         return undefined(own) if point is None else Choice(point, Status.AVOIDED)
-    if speed == 0.0 or any(h.offset > speed for h in spaces):
-        return undefined(own)
-    # a half-space forbids the velocities within a circle round the opposite of its normal
-    circles = [h for h in spaces if h.offset > -speed]
-    forbidden = [Cone((0.0, 0.0, 0.0), scale(-1.0, h.normal), -h.offset / speed, math.sqrt(1.0 - (h.offset / speed) ** 2)) for h in circles]
-    found = nearest_free(forbidden, speed, own.vel_mps)
+    forbidden = None if speed == 0.0 else forbidden_circles(own, scene, responsibility, horizon_s)
+    found = None if forbidden is None else nearest_free(forbidden, speed, own.vel_mps)
     return undefined(own) if found is None else Choice(found, Status.AVOIDED)
+
+
+def circle_of(space: HalfSpace, speed: float) -> Cone:
+    """The velocities of one speed that a half-space forbids: those within a circle round the opposite of its normal."""
+    return Cone((0.0, 0.0, 0.0), scale(-1.0, space.normal), -space.offset / speed, math.sqrt(1.0 - (space.offset / speed) ** 2))
+
+
+def forbidden_circles(own: Own, scene: Scene, responsibility: float, horizon_s: float) -> Sequence[Cone] | None:
+    """The circles of all obstacles; ``None`` when one of them is the whole sphere. Of many, rough ones first (``vosc.crowd``)."""
+    speed = norm(own.vel_mps)
+    if len(scene) <= FEW:
+        spaces = [half_space(own, o, responsibility, horizon_s) for o in scene]
+        if any(h.offset > speed for h in spaces):
+            return None
+        return [circle_of(h, speed) for h in spaces if h.offset > -speed]
+    normals, offsets = rough_half_spaces(own, scene, responsibility, horizon_s)
+    near = ~(np.abs(np.abs(offsets) - speed) > MARGIN * speed)  # these are decided by the exact half-space, and so are those not known
+    for k in np.nonzero(near)[0].tolist():
+        normals[k], offsets[k] = half_space(own, scene[k], responsibility, horizon_s)
+    if (offsets > speed).any():
+        return None
+    known = np.nonzero(offsets > -speed)[0]
+    cosine, numbers = -offsets[known] / speed, known.tolist()
+
+    def make(k: int) -> Cone:
+        return circle_of(half_space(own, scene[numbers[k]], responsibility, horizon_s), speed)
+
+    return Crowd(np.zeros((len(known), 3)), -normals[known], cosine, np.sqrt(1.0 - cosine**2), make)
+
+
+def rough_half_spaces(own: Own, scene: Scene, responsibility: float, horizon_s: float) -> tuple[FloatArray, FloatArray]:
+    """``half_space`` of many obstacles: normals (n,3), offsets (n,); NaN where rounding could matter."""
+    p, distance = scene.rough(own.pos_m).p, scene.rough(own.pos_m).distance
+    _, velocities, r = scene.arrays
+    rate = 1.0 / horizon_s
+    v = np.array(own.vel_mps) - velocities
+    with np.errstate(all="ignore"):
+        w = v - rate * p
+        size, ahead = length(w), (w * p).sum(axis=1)
+        sine = -ahead / (size * distance)  # of the line of sight beyond the rim of the cut-off sphere
+        cut = (ahead < 0.0) & (ahead * ahead > r * r * size * size)
+        distance2, b, v2 = distance * distance, (p * v).sum(axis=1), (v * v).sum(axis=1)
+        tangent2 = distance2 - r * r
+        across = cross_rows(p, v)
+        under = b * b - distance2 * (v2 - (across * across).sum(axis=1) / tangent2)
+        t = (b + np.sqrt(np.maximum(under, 0.0))) / distance2
+        off = v - t[:, None] * p
+        far = length(off)
+        normals = np.where(cut[:, None], w / size[:, None], off / far[:, None])
+        reach = np.where(cut, r * rate - size, r * t - far)
+        offsets = normals @ np.array(own.vel_mps) + responsibility * reach
+        known = (size > SURE * (length(v) + rate * distance)) & np.where(
+            cut,
+            True,
+            (tangent2 > SURE * distance2) & (under > SURE * b * b) & (far > SURE * (np.sqrt(v2) + np.abs(t) * distance)),
+        )
+        known &= np.abs(sine - r / distance) > SURE
+        known &= np.sqrt(v2) > SURE * (norm(own.vel_mps) + length(velocities))
+    offsets[~known] = math.nan
+    return normals, offsets

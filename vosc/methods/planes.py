@@ -11,8 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vosc.cone import Cone, exact_cones
-from vosc.encounter import Obstacle, Own, threatening
+from vosc.cone import Cone
+from vosc.crowd import exact_cones, scene_of
+from vosc.encounter import Obstacle, Own
 from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import great_circle, least_turn
@@ -47,7 +48,9 @@ def planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, offset_rad: flo
     _need_planes(n)
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
-    return _least_of(own, exact_cones(own, threatening(obstacles)), _normals(own.vel_mps, [offset_rad + math.pi * k / n for k in range(n)]))
+    return _least_of(
+        own, exact_cones(own, scene_of(obstacles).threats), _normals(own.vel_mps, [offset_rad + math.pi * k / n for k in range(n)])
+    )
 
 
 def random_planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, seed: int = 0) -> Choice:
@@ -61,4 +64,4 @@ def random_planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, seed: in
     if seed < 0:
         raise WrongOption(f"seed: give a whole number from 0 on, got {seed}")
     rolls = np.random.default_rng(seed).uniform(0.0, math.pi, n)
-    return _least_of(own, exact_cones(own, threatening(obstacles)), _normals(own.vel_mps, rolls.tolist()))
+    return _least_of(own, exact_cones(own, scene_of(obstacles).threats), _normals(own.vel_mps, rolls.tolist()))

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from typing import Literal
 
 from vosc.cone import is_free
+from vosc.crowd import scene_of
 from vosc.direction import OBJECTIVES, Boundary, Objective, best_free, boundaries, corner_points
-from vosc.encounter import Obstacle, Own, cone_margin, threatening
+from vosc.encounter import Obstacle, Own
 from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, undefined
 from vosc.spherical_cap import cap, critical_velocity, generatrices
@@ -38,7 +39,7 @@ def scoam(
     if (goal is not None) != (objective == "goal"):
         raise WrongOption("goal: give a direction with objective='goal', and only with it")
     if consider == "threats":
-        obstacles = [o for o in threatening(obstacles) if cone_margin(own.pos_m, own.vel_mps, o) < 0.0]
+        obstacles = scene_of(obstacles).threats.in_their_cones(own)
     if len(obstacles) == 1 and objective is None:
         pair = generatrices(own, obstacles[0])
         velocity = None if pair is None else critical_velocity(own, obstacles[0], pair[0])
