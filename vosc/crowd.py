@@ -13,6 +13,7 @@ from typing import cast
 
 import numpy as np
 
+from vosc.columns import Columns, chosen, cross, dot, length, minus, over
 from vosc.cone import ON_THE_CONE, Cone, cone_of, outside
 from vosc.cone import is_free as is_free_of_all
 from vosc.encounter import SAME_VELOCITY, Obstacle, Own, cone_margin, threatening
@@ -23,13 +24,13 @@ MARGIN = 1e-7  # rad
 
 
 class Rough:
-    """Relative motion of many obstacles, as columns: line of sight ``p`` and its length, and what of it is needed later."""
+    """Lines of sight ``p`` to many obstacles, their length, direction and half-angle of the cone."""
 
-    def __init__(self, own_pos_m: Vec, pos_m: FloatArray, radius_m: FloatArray) -> None:
-        p = pos_m - np.array(own_pos_m)
+    def __init__(self, own_pos_m: Vec, pos_m: Columns, radius_m: FloatArray) -> None:
+        p = minus(pos_m, own_pos_m)
         self.distance = length(p)
         with np.errstate(all="ignore"):
-            self.axis = p / self.distance[:, None]
+            self.axis = over(p, self.distance)
             self.alpha0 = np.where(self.distance > radius_m, np.arcsin(np.minimum(radius_m / self.distance, 1.0)), 0.5 * math.pi)
         self.p = p
 
@@ -38,10 +39,10 @@ class Scene(tuple[Obstacle, ...]):
     """Obstacles, and the arrays made of them once; a tuple for everybody else."""
 
     @cached_property
-    def arrays(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Positions (n,3), velocities (n,3), radii (n,)."""
-        flat = np.array([(*o.pos_m, *o.vel_mps, o.radius_m) for o in self], dtype=np.float64).reshape(-1, 7)
-        return flat[:, 0:3], flat[:, 3:6], flat[:, 6]
+    def arrays(self) -> tuple[Columns, Columns, FloatArray]:
+        """Positions, velocities, radii (n,)."""
+        x, y, z, u, v, w, r = np.array([(*o.pos_m, *o.vel_mps, o.radius_m) for o in self], dtype=np.float64).reshape(-1, 7).T.copy()
+        return (x, y, z), (u, v, w), r
 
     @cached_property
     def threats(self) -> "Scene":
@@ -82,12 +83,12 @@ class Scene(tuple[Obstacle, ...]):
 
     def _margins(self, pos_m: Vec, vel_mps: Vec) -> FloatArray:
         rough, velocities = self.rough(pos_m), self.arrays[1]
-        w = np.array(vel_mps) - velocities
+        w = minus(velocities, vel_mps)  # minus the relative velocity: one subtraction less
         size = length(w)
         still = (size <= SAME_VELOCITY * (math.hypot(*vel_mps) + length(velocities))) | (rough.distance == 0.0)
         with np.errstate(all="ignore"):
-            w /= size[:, None]
-            alpha = np.arctan2(length(cross(rough.axis, w)), (rough.axis * w).sum(axis=1))
+            w = over(w, size)
+            alpha = np.arctan2(length(cross(rough.axis, w)), -dot(rough.axis, w))
         margin: FloatArray = np.where(still, 0.5 * math.pi, alpha) - rough.alpha0
         return margin
 
@@ -95,7 +96,7 @@ class Scene(tuple[Obstacle, ...]):
 class Crowd(Sequence[Cone]):
     """Many cones: a rough table of all, and each exact one made when it is asked for."""
 
-    def __init__(self, apex: FloatArray, axis: FloatArray, cos: FloatArray, sin: FloatArray, make: Callable[[int], Cone]) -> None:
+    def __init__(self, apex: Columns, axis: Columns, cos: FloatArray, sin: FloatArray, make: Callable[[int], Cone]) -> None:
         self.apex, self.axis, self.cos, self.sin = apex, axis, cos, sin
         self._make, self._made = make, dict[int, Cone]()
 
@@ -112,8 +113,8 @@ class Crowd(Sequence[Cone]):
 
     def _seen_from(self, velocity: Vec) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Size of the relative velocity, its part along the axis, its part across."""
-        w = np.array(velocity) - self.apex
-        return length(w), (w * self.axis).sum(axis=1), length(cross(self.axis, w))
+        w = minus(self.apex, velocity)
+        return length(w), -dot(w, self.axis), length(cross(self.axis, w))
 
     def unsure(self, velocity: Vec) -> Iterable[Cone]:
         """The cones that may hold a velocity."""
@@ -128,20 +129,7 @@ class Crowd(Sequence[Cone]):
         reach = np.where(along * self.cos + across * self.sin > 0.0, np.maximum(across * self.cos - along * self.sin, 0.0), size)
         near = np.nonzero(~(reach > distance + MARGIN * (size + distance)))[0]
         known = near.tolist()
-        return Crowd(self.apex[near], self.axis[near], self.cos[near], self.sin[near], lambda k: self[known[k]])
-
-
-def length(a: FloatArray) -> FloatArray:
-    """Lengths (n,) of rows (n,3), without underflow of the squares."""
-    out: FloatArray = np.hypot(np.hypot(a[:, 0], a[:, 1]), a[:, 2])
-    return out
-
-
-def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Vector products of rows: ``np.cross`` without its overhead."""
-    x, y, z = a.T
-    u, v, w = b.T
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+        return Crowd(chosen(self.apex, near), chosen(self.axis, near), self.cos[near], self.sin[near], lambda k: self[known[k]])
 
 
 def scene_of(obstacles: Iterable[Obstacle]) -> Scene:
@@ -160,9 +148,11 @@ def exact_cones(own: Own, obstacles: Sequence[Obstacle]) -> Sequence[Cone]:
         outside_all[k] = cone_of(own, scene[k]) is not None
     known = np.nonzero(outside_all)[0]
     alpha0, numbers = rough.alpha0[known], known.tolist()
-    return Crowd(
-        velocities[known], rough.axis[known], np.cos(alpha0), np.sin(alpha0), lambda k: cast(Cone, cone_of(own, scene[numbers[k]]))
-    )
+
+    def make(k: int) -> Cone:
+        return cast(Cone, cone_of(own, scene[numbers[k]]))
+
+    return Crowd(chosen(velocities, known), chosen(rough.axis, known), np.cos(alpha0), np.sin(alpha0), make)
 
 
 def holding(cones: Sequence[Cone], velocity: Vec) -> list[Cone]:

@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vosc import columns
+from vosc.columns import Columns
 from vosc.cone import Cone
-from vosc.crowd import FEW, MARGIN, Crowd, Scene, length, scene_of
-from vosc.crowd import cross as cross_rows
+from vosc.crowd import FEW, MARGIN, Crowd, Scene, scene_of
 from vosc.encounter import Obstacle, Own, relative_velocity
 from vosc.errors import WrongOption
 from vosc.free import nearest_free
@@ -145,10 +146,10 @@ def forbidden_circles(own: Own, scene: Scene, responsibility: float, horizon_s: 
         if any(h.offset > speed for h in spaces):
             return None
         return [circle_of(h, speed) for h in spaces if h.offset > -speed]
-    normals, offsets = rough_half_spaces(own, scene, responsibility, horizon_s)
+    (x, y, z), offsets = rough_half_spaces(own, scene, responsibility, horizon_s)
     near = ~(np.abs(np.abs(offsets) - speed) > MARGIN * speed)  # these are decided by the exact half-space, and so are those not known
     for k in np.nonzero(near)[0].tolist():
-        normals[k], offsets[k] = half_space(own, scene[k], responsibility, horizon_s)
+        (x[k], y[k], z[k]), offsets[k] = half_space(own, scene[k], responsibility, horizon_s)
     if (offsets > speed).any():
         return None
     known = np.nonzero(offsets > -speed)[0]
@@ -157,36 +158,40 @@ def forbidden_circles(own: Own, scene: Scene, responsibility: float, horizon_s: 
     def make(k: int) -> Cone:
         return circle_of(half_space(own, scene[numbers[k]], responsibility, horizon_s), speed)
 
-    return Crowd(np.zeros((len(known), 3)), -normals[known], cosine, np.sqrt(1.0 - cosine**2), make)
+    centre = np.zeros(len(known))
+    return Crowd((centre, centre, centre), (-x[known], -y[known], -z[known]), cosine, np.sqrt(1.0 - cosine**2), make)
 
 
-def rough_half_spaces(own: Own, scene: Scene, responsibility: float, horizon_s: float) -> tuple[FloatArray, FloatArray]:
-    """``half_space`` of many obstacles: normals (n,3), offsets (n,); NaN where rounding could matter."""
+def rough_half_spaces(own: Own, scene: Scene, responsibility: float, horizon_s: float) -> tuple[Columns, FloatArray]:
+    """``half_space`` of many obstacles: normals, offsets (n,); offsets are NaN where rounding could matter."""
     p, distance = scene.rough(own.pos_m).p, scene.rough(own.pos_m).distance
     _, velocities, r = scene.arrays
     rate = 1.0 / horizon_s
-    v = np.array(own.vel_mps) - velocities
+    x, y, z = velocities
+    v = own.vel_mps[0] - x, own.vel_mps[1] - y, own.vel_mps[2] - z
     with np.errstate(all="ignore"):
-        w = v - rate * p
-        size, ahead = length(w), (w * p).sum(axis=1)
+        w = columns.along(v, -rate, p)
+        size, ahead = columns.length(w), columns.dot(w, p)
         sine = -ahead / (size * distance)  # of the line of sight beyond the rim of the cut-off sphere
         cut = (ahead < 0.0) & (ahead * ahead > r * r * size * size)
-        distance2, b, v2 = distance * distance, (p * v).sum(axis=1), (v * v).sum(axis=1)
+        distance2, b, v2 = distance * distance, columns.dot(p, v), columns.dot(v, v)
         tangent2 = distance2 - r * r
-        across = cross_rows(p, v)
-        under = b * b - distance2 * (v2 - (across * across).sum(axis=1) / tangent2)
+        across = columns.cross(p, v)
+        under = b * b - distance2 * (v2 - columns.dot(across, across) / tangent2)
         t = (b + np.sqrt(np.maximum(under, 0.0))) / distance2
-        off = v - t[:, None] * p
-        far = length(off)
-        normals = np.where(cut[:, None], w / size[:, None], off / far[:, None])
+        off = columns.along(v, -t, p)
+        far = columns.length(off)
+        n0, n1, n2 = (np.where(cut, a / size, b / far) for a, b in zip(w, off, strict=True))
         reach = np.where(cut, r * rate - size, r * t - far)
-        offsets = normals @ np.array(own.vel_mps) + responsibility * reach
-        known = (size > SURE * (length(v) + rate * distance)) & np.where(
+        u0, u1, u2 = own.vel_mps
+        offsets = n0 * u0 + n1 * u1 + n2 * u2 + responsibility * reach
+        known = (size > SURE * (columns.length(v) + rate * distance)) & np.where(
             cut,
             True,
             (tangent2 > SURE * distance2) & (under > SURE * b * b) & (far > SURE * (np.sqrt(v2) + np.abs(t) * distance)),
         )
         known &= np.abs(sine - r / distance) > SURE
-        known &= np.sqrt(v2) > SURE * (norm(own.vel_mps) + length(velocities))
+        known &= np.sqrt(v2) > SURE * (norm(own.vel_mps) + columns.length(velocities))
+        known &= np.sqrt(v2) < norm(own.vel_mps) / SURE
     offsets[~known] = math.nan
-    return normals, offsets
+    return (n0, n1, n2), offsets
