@@ -19,6 +19,7 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
 LARGEST = 1e30  # fourth powers of what is accepted still fit into a float, so no formula can overflow into inf - inf
+SMALLEST_M = 1e-30  # points nearer to each other than this are the same
 SMALLEST_SINE = 1e-12  # two directions closer than this are parallel: the plane through them is rounding noise
 
 

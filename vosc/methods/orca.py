@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vosc import columns
+from vosc import columns, crowd
 from vosc.columns import Columns
 from vosc.cone import Cone
-from vosc.crowd import FEW, MARGIN, Crowd, Scene, scene_of
+from vosc.crowd import MARGIN, Crowd, Scene, scene_of
 from vosc.encounter import Obstacle, Own, relative_velocity
 from vosc.errors import WrongOption
 from vosc.free import nearest_free
@@ -141,7 +141,7 @@ def circle_of(space: HalfSpace, speed: float) -> Cone:
 def forbidden_circles(own: Own, scene: Scene, responsibility: float, horizon_s: float) -> Sequence[Cone] | None:
     """The circles of all obstacles; ``None`` when one of them is the whole sphere. Of many, rough ones first (``vosc.crowd``)."""
     speed = norm(own.vel_mps)
-    if len(scene) <= FEW:
+    if len(scene) <= crowd.FEW:
         spaces = [half_space(own, o, responsibility, horizon_s) for o in scene]
         if any(h.offset > speed for h in spaces):
             return None
