@@ -154,9 +154,8 @@ def _stretches(side: FloatArray) -> tuple[FloatArray, BoolArray]:
     contact: BoolArray = np.logical_and(low <= slack, high >= -slack)
     covered = np.any(high < -slack, axis=2)
     deep = before < -slack  # the edge of a cone is not before the line from sample to sample comes within the slack of it
-    share = np.where(deep, ((1.0 - ROUGH) * before + slack) / np.where(deep, np.minimum(before - after, -1e-300), 1.0), 0.0).max(
-        axis=2, initial=0.0
-    )
+    fall = np.where(deep & (after > before), before - after, -math.inf)
+    share = np.where(deep, (((1.0 - ROUGH) * before + slack) / fall), 0.0).max(axis=2, initial=0.0)
     bound: FloatArray = np.where(covered, math.inf, (np.arange(side.shape[1] - 3) + np.minimum(share, 1.0)) * _STEP)
     return bound, contact
 

@@ -103,7 +103,7 @@ def test_every_method_answers_or_refuses_by_name(block):
         if not obstacles:
             continue
         several += 1
-        size = lambda draws=draws: abs(draws.number(30.0))  # noqa: E731
+        size = lambda draws=draws: abs(draws.number(30.0))
         options = [(m, {}) for m in METHODS] + [
             ("scoam", {"boundary": "exact", "consider": "all"}),
             ("scoam", {"consider": "all", "corners_only": True}),
