@@ -147,7 +147,7 @@ def closest_point(own: Own, obstacle: Obstacle) -> FloatArray:
     """(3,) vector from the obstacle's centre to the own aircraft at closest approach, m, in the obstacle's moving frame."""
     p = sub(obstacle.pos_m, own.pos_m)
     w, speed = relative_velocity(own.vel_mps, obstacle.vel_mps)
-    if speed == 0.0:
+    if speed * speed == 0.0:  # also when the square is lost: no motion worth the name
         return array((-p[0], -p[1], -p[2]))
     k = dot(p, w) / (speed * speed)
     return array((k * w[0] - p[0], k * w[1] - p[1], k * w[2] - p[2]))
