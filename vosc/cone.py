@@ -14,7 +14,7 @@ are the points nearest to and farthest from d. That is how the least deflection 
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from vosc.encounter import Obstacle, Own, cone_half_angle
@@ -59,11 +59,6 @@ def cone_of(own: Own, obstacle: Obstacle) -> Cone | None:
         return None
     alpha0 = cone_half_angle(distance, obstacle.radius_m)
     return Cone(obstacle.vel_mps, scale(1.0 / distance, p), math.cos(alpha0), math.sin(alpha0))
-
-
-def exact_cones(own: Own, obstacles: Sequence[Obstacle]) -> list[Cone]:
-    """The exact cones of all obstacles, without those whose sphere the own aircraft is inside."""
-    return [c for c in (cone_of(own, o) for o in obstacles) if c is not None]
 
 
 def loops_of(cone: Cone, speed_mps: float) -> list[Loop]:
@@ -131,7 +126,7 @@ def outside(cone: Cone, velocity_mps: Vec) -> float:
 ON_THE_CONE = -1e-11  # sine of the angle: what lies this little inside still counts as on the boundary
 
 
-def is_free(cones: Sequence[Cone], velocity_mps: Vec) -> bool:
+def is_free(cones: Iterable[Cone], velocity_mps: Vec) -> bool:
     """Outside or on the boundary of every cone."""
     return all(outside(c, velocity_mps) >= ON_THE_CONE for c in cones)
 

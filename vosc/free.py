@@ -20,7 +20,8 @@ from functools import partial
 
 import numpy as np
 
-from vosc.cone import ON_THE_CONE, Cone, Loop, is_free, loop_point, loops_of, outside, peaks, slope_of, zero
+from vosc.cone import Cone, Loop, loop_point, loops_of, outside, peaks, slope_of, zero
+from vosc.crowd import Crowd, holding, is_free
 from vosc.vec import FloatArray, IntArray, Vec, dot, norm, scale, sub, unit
 
 GRID = 48
@@ -41,16 +42,15 @@ def nearest_free(cones: Sequence[Cone], speed_mps: float, towards: Vec) -> Vec |
     aim = unit(towards)
     wanted = scale(speed_mps, aim)
     if speed_mps == 0.0:
-        return wanted if all(outside(c, wanted) >= ON_THE_CONE for c in cones) else None
+        return wanted if is_free(cones, wanted) else None
     must: Vec | None = None
-    for cone in cones:
-        if outside(cone, wanted) < ON_THE_CONE:
-            exits = [v for loop in loops_of(cone, speed_mps) for v in peaks(loop, aim)]
-            if not exits:
-                return None  # the whole sphere lies inside this cone
-            out = max(exits, key=lambda v: dot(v, aim))
-            if must is None or dot(out, aim) < dot(must, aim):
-                must = out
+    for cone in holding(cones, wanted):
+        exits = [v for loop in loops_of(cone, speed_mps) for v in peaks(loop, aim)]
+        if not exits:
+            return None  # the whole sphere lies inside this cone
+        out = max(exits, key=lambda v: dot(v, aim))
+        if must is None or dot(out, aim) < dot(must, aim):
+            must = out
     if must is None:
         return wanted
     if is_free(cones, must):
@@ -58,11 +58,16 @@ def nearest_free(cones: Sequence[Cone], speed_mps: float, towards: Vec) -> Vec |
     least = math.acos(max(-1.0, min(1.0, dot(must, aim) / speed_mps)))
     radius = max(1.5 * least, least + 0.1)
     while True:
-        near = [c for c in cones if _reach(c, wanted) <= 2.0 * speed_mps * math.sin(0.5 * min(radius, math.pi)) * (1.0 + 1e-9)]
-        found = _search(near, speed_mps, aim, min(radius, math.pi))
+        found = _search(within(cones, wanted, 2.0 * speed_mps * math.sin(0.5 * min(radius, math.pi))), speed_mps, aim, min(radius, math.pi))
         if found is not None or radius >= math.pi:
             return found
         radius *= 2.0
+
+
+def within(cones: Sequence[Cone], velocity: Vec, distance: float) -> list[Cone]:
+    """The cones that come within ``distance`` of a velocity."""
+    near = cones.within(velocity, distance) if isinstance(cones, Crowd) else cones
+    return [c for c in near if _reach(c, velocity) <= distance * (1.0 + 1e-9)]
 
 
 def _reach(cone: Cone, velocity: Vec) -> float:

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from vosc.encounter import Obstacle, Own
-from vosc.vec import FloatArray, Vec, along, array, dot, norm, perpendicular, right_of, sub, unit
+from vosc.errors import WrongOption
+from vosc.vec import LARGEST, FloatArray, Vec, along, array, dot, norm, perpendicular, right_of, sub, unit
 
 TimeRule = Literal["arrival", "paper_4_3_2"]
 STATIONARY = 1e-9  # obstacle speeds below this fraction of the own speed: standing still
@@ -69,12 +70,13 @@ def insertion_point(own: Own, obstacle: Obstacle, k: float = 1.25, time_rule: Ti
     """Q_avo and t (eq. 34-35), or ``None`` when no positive time solves the rule (status ``no_insertion_point``).
 
     ``k`` >= 1 scales the radius. No solution happens when the obstacle is faster and running away, when the own speed is zero, and, with
-    ``paper_4_3_2``, inside the sphere or for a stationary obstacle. ``ValueError`` for a k below 1 or an unknown rule.
+    ``paper_4_3_2``, inside the sphere or for a stationary obstacle; nor when the point is out of all range (1e30 m).
+    ``WrongOption`` for a k below 1 or an unknown rule.
     """
     if not 1.0 <= k < math.inf:
-        raise ValueError(f"k: give a factor of at least 1 (the paper's k R), got {k}")
+        raise WrongOption(f"k: give a factor of at least 1 (the paper's k R), got {k}")
     if time_rule not in ("arrival", "paper_4_3_2"):
-        raise ValueError(f"time_rule: 'arrival' or 'paper_4_3_2', got {time_rule!r}")
+        raise WrongOption(f"time_rule: 'arrival' or 'paper_4_3_2', got {time_rule!r}")
     speed, obstacle_speed = norm(own.vel_mps), norm(obstacle.vel_mps)
     p = sub(obstacle.pos_m, own.pos_m)
     stationary = obstacle_speed <= STATIONARY * speed
@@ -90,4 +92,5 @@ def insertion_point(own: Own, obstacle: Obstacle, k: float = 1.25, time_rule: Ti
         time = (norm(p) - obstacle.radius_m) / obstacle_speed
     if time is None or not 0.0 < time < math.inf:
         return None
-    return Insertion(array(along(own.pos_m, 1.0, along(ahead, time, velocity))), time)
+    point = along(own.pos_m, 1.0, along(ahead, time, velocity))
+    return Insertion(array(point), time) if max(map(abs, point)) <= LARGEST else None

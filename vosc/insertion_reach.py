@@ -23,9 +23,10 @@ from typing import Any, Literal
 import numpy as np
 
 from vosc.arc_line_arc import ArcLineArc, arc_line_arc, arc_line_arc_frames
+from vosc.errors import NoCurve, NoDirection, SamePoint
 from vosc.helicoid import helicoid
 from vosc.plane_arcs import plane_arcs
-from vosc.vec import BoolArray, FloatArray, Vec, angle, combine, cross, dot, norm, perpendicular, sub, three, unit
+from vosc.vec import SMALLEST_M, BoolArray, FloatArray, Vec, angle, combine, cross, dot, norm, perpendicular, sub, three, unit
 
 Kind = Literal["straight", "helicoidal", "plane_arcs", "arc_line_arc", "none"]
 STRAIGHT_RAD = 1e-5  # both directions this close to the chord: a straight line
@@ -44,7 +45,8 @@ class Join:
     """The widest curve found from one pose to another.
 
     ``radius_m``: its least radius of curvature; inf for a straight line, 0 when there is none (the end straight behind in the same
-    direction). ``turn_rad``: the integral of curvature. ``kind``: ``helicoidal`` and ``plane_arcs`` are the bound, ``arc_line_arc`` a
+    direction; turn and length are then inf).
+    ``turn_rad``: the integral of curvature. ``kind``: ``helicoidal`` and ``plane_arcs`` are the bound, ``arc_line_arc`` a
     radius that can be had. ``arcs``: the widest arc, line, arc; of ``plane_arcs`` the curve itself.
     """
 
@@ -55,12 +57,12 @@ class Join:
     arcs: ArcLineArc | None
     start: tuple[Vec, Vec]
     end: tuple[Vec, Vec]
-    shape: tuple[float, float, float, float]  # of the helicoidal arc: beta, s at either end, roll of the first normal
+    shape: tuple[float, float, float, float]  # of the helicoidal arc, else zeros: beta, s at either end, roll of the first normal
 
     def frames(self, n: int = 100) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Points (m), unit tangents and curvature vectors (1/m), (n,3) each, evenly spaced. ``ValueError`` for kind ``none``."""
+        """Points (m), unit tangents and curvature vectors (1/m), (n,3) each, evenly spaced. ``NoCurve`` for kind ``none``."""
         if self.kind == "none":
-            raise ValueError("no curve without a loop joins these poses")
+            raise NoCurve("no curve without a loop joins these poses")
         p0, t0 = self.start
         if self.kind in ("plane_arcs", "arc_line_arc") and self.arcs is not None:
             return arc_line_arc_frames(self.arcs, p0, t0, self.end[1], n)
@@ -82,19 +84,19 @@ class Join:
 def widest_join(p0: Iterable[Any], t0: Iterable[Any], p1: Iterable[Any], t1: Iterable[Any]) -> Join:
     """The widest curve from point ``p0`` (m) in direction ``t0`` (any length) to ``p1`` in direction ``t1``.
 
-    ``ValueError`` for points that coincide and directions of no length.
+    ``SamePoint`` for points that coincide, ``NoDirection`` for directions of no length.
     """
     start, end = (three("p0", p0), unit(three("t0", t0))), (three("p1", p1), unit(three("t1", t1)))
     offset = sub(end[0], start[0])
     distance = norm(offset)
-    if distance == 0.0:
-        raise ValueError(f"p0 and p1: give two different points, got {start[0]} twice")
+    if distance < SMALLEST_M:
+        raise SamePoint(f"p0 and p1: give two different points, got {start[0]} twice")
     for name, (_, tangent) in (("t0", start), ("t1", end)):
         if norm(tangent) == 0.0:
-            raise ValueError(f"{name}: give a direction, got the zero vector")
+            raise NoDirection(f"{name}: give a direction, got the zero vector")
     chord = unit(offset)
     if max(angle(chord, start[1]), angle(chord, end[1])) < STRAIGHT_RAD:
-        return Join(math.inf, 0.0, distance, "straight", None, start, end, (math.nan,) * 4)
+        return Join(math.inf, 0.0, distance, "straight", None, start, end, (0.0,) * 4)
     arcs = arc_line_arc(offset, start[1], end[1])
     found = _widest_helicoidal(chord, start[1], end[1], arcs)
     plane = plane_arcs(offset, start[1], end[1])
@@ -104,12 +106,12 @@ def widest_join(p0: Iterable[Any], t0: Iterable[Any], p1: Iterable[Any], t1: Ite
         radius, shape = found[0] * distance, found[1]
         return Join(radius, shape[2] - shape[1], radius * (shape[2] - shape[1]), "helicoidal", arcs, start, end, shape)
     if arcs is None:
-        return Join(0.0, math.nan, math.nan, "none", None, start, end, (math.nan,) * 4)
+        return Join(0.0, math.inf, math.inf, "none", None, start, end, (0.0,) * 4)
     return _of_arcs(arcs, "arc_line_arc", start, end)
 
 
 def _of_arcs(arcs: ArcLineArc, kind: Kind, start: tuple[Vec, Vec], end: tuple[Vec, Vec]) -> Join:
-    return Join(arcs.radius_m, arcs.turn_rad, sum(arcs.lengths_m), kind, arcs, start, end, (math.nan,) * 4)
+    return Join(arcs.radius_m, arcs.turn_rad, sum(arcs.lengths_m), kind, arcs, start, end, (0.0,) * 4)
 
 
 def _basis(t0: Vec) -> tuple[Vec, Vec]:

@@ -8,13 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vosc.errors import NoCurve
 from vosc.ph_curve import Curve
-from vosc.vec import FloatArray, Vec
+from vosc.vec import LARGEST, SMALLEST_M, FloatArray, Vec
 
 Columns = tuple[FloatArray, FloatArray, FloatArray]  # x, y, z, each (n,)
 
 BLOCK = 2048  # rows a block: the working arrays of one block stay in the cache
 OPPOSITE = 1e-9
+MOST = 1e5  # times longer or shorter than the chord: beyond, an end derivative makes a cusp of rounding noise
 
 
 def _dot(a: Columns, b: Columns) -> FloatArray:
@@ -28,6 +30,12 @@ def _norm(a: Columns) -> FloatArray:
 def _mix(j: FloatArray | float, a: Columns, k: FloatArray | float, b: Columns) -> Columns:
     """Sum j a + k b."""
     return (j * a[0] + k * b[0], j * a[1] + k * b[1], j * a[2] + k * b[2])
+
+
+def _largest(*vectors: Columns) -> FloatArray:
+    """The largest coordinate of all, in size; NaN where one is."""
+    out: FloatArray = np.max(np.abs([k for v in vectors for k in v]), axis=0)
+    return out
 
 
 def _root(axis: Columns, c: Columns, size: FloatArray) -> tuple[Columns, FloatArray]:
@@ -56,19 +64,26 @@ class Curves:
             return (float(c[0][i]), float(c[1][i]), float(c[2][i]))
 
         x, y, z = self.start_m[i].tolist()
+        if math.isnan(self.e[0][i]):
+            raise NoCurve(f"row {i}: no curve joins these ends")
         return Curve((x, y, z), row(self.e), tuple(row(c) for c in self.a))
 
     def length_m(self) -> FloatArray:
         """Arc lengths (n,), exact."""
         degree = len(self.a) - 1
         total = np.zeros(len(self))
-        for i, p in enumerate(self.a):
-            for j, q in enumerate(self.a):
-                total += weight(degree, i, j) * _dot(p, q)
+        with np.errstate(invalid="ignore"):  # lost rows
+            for i, p in enumerate(self.a):
+                for j, q in enumerate(self.a):
+                    total += weight(degree, i, j) * _dot(p, q)
         return total
 
     def evaluate(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """At parameters t (m,): speed |dr/dt| (n,m), unit tangents (n,m,3), curvature vectors (n,m,3) 1/m."""
+        with np.errstate(invalid="ignore", over="ignore"):  # lost rows, cusps
+            return self._evaluated(t)
+
+    def _evaluated(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         degree = len(self.a) - 1
         basis = [math.comb(degree, i) * t**i * (1.0 - t) ** (degree - i) for i in range(degree + 1)]
         slope = [degree * math.comb(degree - 1, i) * t**i * (1.0 - t) ** (degree - 1 - i) for i in range(degree)]
@@ -97,7 +112,8 @@ def hermite_many(
     """``ph.hermite`` for rows of end data, each (n,3) or (3,), broadcast against each other.
 
     With ``start_curvature_per_m``, the curvature vector at the start (its part along ``d0_m`` is ignored), the rows are PH septics
-    that have it: the lowest degree that leaves room for it. Rows with zero derivatives, p0 = p1, or exactly opposite vectors under
+    that have it: the lowest degree that leaves room for it. Rows with zero derivatives, p0 = p1,
+    lengths out of proportion, or exactly opposite vectors under
     a root come out as NaN instead of an exception: in a search they are candidates that fail.
     """
     given = [np.asarray(x, dtype=np.float64) for x in (p0_m, d0_m, p1_m, d1_m)]
@@ -133,10 +149,15 @@ def _solve(rows: list[FloatArray], out: FloatArray) -> None:
     b, middle = _root(e, c, _norm(c))
     a1 = _mix(0.25, b, -0.75, _mix(1.0, a0, 1.0, a2))
     preimage = [a0, a1, a2]
-    lost = (np.minimum(np.minimum(first, last), np.minimum(middle, length)) < OPPOSITE) | (_dot(chord, chord) == 0.0)
+    size = _norm(_mix(1.0, p1, -1.0, p0))
+    lost = ~(np.minimum(np.minimum(first, last), np.minimum(middle, length)) >= OPPOSITE)
+    # ... or out of proportion, as in ``ph.hermite``
+    lost |= ~(
+        (size >= SMALLEST_M) & (size < MOST * np.minimum(n0, n1)) & (np.maximum(n0, n1) < MOST * size) & (_largest(p0, p1) <= LARGEST)
+    )
     if bend:
         preimage, turned = _septic(e, a0, a1, a2, _mix(1.0, p1, -1.0, p0), bend[0])
-        lost |= turned < OPPOSITE
+        lost |= ~((turned >= OPPOSITE) & (_largest(*preimage) <= LARGEST))
     for slot, columns in enumerate((e, *preimage)):
         for k in range(3):
             out[slot, k] = columns[k]

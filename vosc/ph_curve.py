@@ -15,11 +15,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from vosc.errors import NoCurve, NotNumbers
 from vosc.polynomial import Poly, derivative, difference, extremum_candidates, horner, integral, nearest, product, total
-from vosc.vec import FloatArray, Vec, array, combine, dot, scale
+from vosc.vec import LARGEST, FloatArray, Vec, array, combine, dot, scale
 
 TABLE = 32  # intervals of the arc-length table that starts the inversion
 SEARCH = 128  # intervals of the sampling that starts the projection
+SMALLEST_ROOT = 1e-25  # square root of metres: the fourth powers of a shorter curve's coefficients are lost
 CUSP = 1e-12  # a least parameter speed below this fraction of the mean one counts as a cusp: infinite curvature
 
 Frame = tuple[Vec, Vec, Vec]
@@ -37,6 +39,12 @@ class Curve:
     start_m: Vec
     e: Vec
     a: tuple[Vec, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.a) not in (3, 4) or not all(abs(x) <= LARGEST for p in (self.start_m, self.e, *self.a) for x in p):
+            raise NotNumbers(f"Curve: give three or four coefficients, all numbers finite and below {LARGEST:g} in size, got {self}")
+        if not any(abs(x) > SMALLEST_ROOT for p in self.a for x in p):
+            raise NoCurve("Curve: all coefficients are zero, or as good as: a curve without length")
 
     def __reduce__(self) -> tuple[type["Curve"], tuple[Vec, Vec, tuple[Vec, ...]]]:
         return Curve, (self.start_m, self.e, self.a)  # without what was cached: a used curve pickles like a fresh one
@@ -280,10 +288,10 @@ class Curve:
         """Arc lengths (m,) of the points of the curve nearest to ``points`` (m,3), and the distances (m,), m; the exact projection
         in space.
 
-        Where the nearest point is an end, the arc length is 0 or ``length_m``. ``ValueError`` if ``points`` is not a finite (m,3).
+        Where the nearest point is an end, the arc length is 0 or ``length_m``. ``NotNumbers`` if ``points`` is no (m,3) of such numbers.
         """
         points = np.asarray(points, dtype=np.float64)
-        if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-            raise ValueError(f"points: give a finite array of shape (m, 3), got shape {points.shape}")
+        if points.ndim != 2 or points.shape[1] != 3 or not (np.abs(points) <= LARGEST).all():
+            raise NotNumbers(f"points: give an array of shape (m, 3), finite and below {LARGEST:g} in size, got shape {points.shape}")
         t = nearest(self._position, points, SEARCH)
         return horner(self._arc, t), np.linalg.norm(self._points(t) - points, axis=1)

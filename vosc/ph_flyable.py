@@ -15,14 +15,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vosc.errors import NoDirection, OutOfProportion, SamePoint, WrongOption
 from vosc.ph_batch import Curves, hermite_many
 from vosc.ph_curve import Curve
-from vosc.vec import FloatArray, IntArray, three
+from vosc.vec import SMALLEST_M, FloatArray, IntArray, three
 
 GRAVITY_MPS2 = 9.80665
 SAMPLES = 65
 FINE = 513
 SLACK = 1e-9
+LEAST_MAGNITUDE = 1e-4  # chords: shorter end derivatives are as good as none
+MOST_BEND = 1e6  # a start curvature times the distance: beyond, it winds up before it is under way
+MOST_GRID = 101
 FIELDS = ("max_curvature_per_m", "min_climb_rad", "max_climb_rad", "max_bank_rate_radps")
 NAMES = ("curvature", "climb_down", "climb_up", "bank_rate")
 
@@ -39,11 +43,11 @@ class Limits:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.speed_mps < math.inf:
-            raise ValueError(f"Limits.speed_mps: give a speed above 0 m/s, got {self.speed_mps}")
+            raise WrongOption(f"Limits.speed_mps: give a speed above 0 m/s, got {self.speed_mps}")
         if not (self.max_curvature_per_m > 0.0 and self.max_bank_rate_radps > 0.0):
-            raise ValueError("Limits: give a curvature and a bank rate above 0, or leave them out")
+            raise WrongOption("Limits: give a curvature and a bank rate above 0, or leave them out")
         if not self.min_climb_rad < self.max_climb_rad:
-            raise ValueError(f"Limits: the climb range {self.min_climb_rad} to {self.max_climb_rad} rad is empty")
+            raise WrongOption(f"Limits: the climb range {self.min_climb_rad} to {self.max_climb_rad} rad is empty")
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +57,8 @@ class Flyable:
     ``curve`` the shortest path within all limits, or the one that exceeds them least (``None`` if not even the join can be met);
     ``ok`` within all; ``missed`` names of the limits that are the reason: ``join``, ``curvature``, ``climb_down``, ``climb_up``,
     ``bank_rate``; ``together`` every single limit can be met by some candidate, but not these together; ``point``, ``direction``
-    which of the offered ends; ``max_curvature_per_m``, ``climb_rad`` (least, largest), ``max_bank_rate_radps`` of the curve;
+    which of the offered ends; ``max_curvature_per_m``, ``climb_rad`` (least, largest), ``max_bank_rate_radps`` of the curve
+    (inf, everything and inf without one);
     ``message`` a sentence.
     """
 
@@ -96,7 +101,8 @@ def _bank_rate(sigma: FloatArray, tangent: FloatArray, bend: FloatArray, dt: flo
     lift = speed * speed * bend + GRAVITY_MPS2 * up * np.sqrt(climb)[..., None]
     bank = np.unwrap(np.arctan2((lift * np.cross(tangent, up)).sum(axis=-1), (lift * up).sum(axis=-1)), axis=1)
     middle = 0.5 * (sigma[:, 1:] + sigma[:, :-1])
-    rate: FloatArray = np.abs(np.diff(bank, axis=1) / (middle * dt)).max(axis=1) * speed
+    with np.errstate(over="ignore", invalid="ignore"):  # at a cusp
+        rate: FloatArray = np.abs(np.diff(bank, axis=1) / (middle * dt)).max(axis=1) * speed
     return rate
 
 
@@ -111,15 +117,16 @@ def _measure(curves: Curves, limits: Limits, samples: int) -> FloatArray:
 
 def _excess(measured: FloatArray, limits: Limits) -> FloatArray:
     """How far beyond each limit (n,4), relative for curvature and bank rate, rad for climb; up to 0 is within. Lost curves: inf."""
-    out = np.stack(
-        [
-            measured[:, 0] / limits.max_curvature_per_m - 1.0,
-            limits.min_climb_rad - measured[:, 1],
-            measured[:, 2] - limits.max_climb_rad,
-            measured[:, 3] / limits.max_bank_rate_radps - 1.0,
-        ],
-        axis=1,
-    )
+    with np.errstate(over="ignore", invalid="ignore"):
+        out = np.stack(
+            [
+                measured[:, 0] / limits.max_curvature_per_m - 1.0,
+                limits.min_climb_rad - measured[:, 1],
+                measured[:, 2] - limits.max_climb_rad,
+                measured[:, 3] / limits.max_bank_rate_radps - 1.0,
+            ],
+            axis=1,
+        )
     return np.where(np.isfinite(out), out, math.inf)
 
 
@@ -137,8 +144,11 @@ def flyable(
 
     ``p1_m`` and ``tangent1`` may be (3,) or (k,3): every pair is tried. ``start_curvature_per_m`` (3,) the present curvature
     vector, 1/m, to be continued; left out, the bank may jump. ``magnitudes`` bounds of the end derivatives in chords, within 3:
-    beyond 5 the curve has a cusp. ``ValueError`` for zero tangents, p0 = p1, or bounds that are not 0 < low < high <= 3.
+    beyond 5 the curve has a cusp. ``NoDirection`` for zero tangents, ``SamePoint`` for
+    p0 = p1, ``WrongOption`` for bounds that are not 0 < low < high <= 3.
     """
+    if not 2 <= grid <= MOST_GRID:
+        raise WrongOption(f"grid: give 2 to {MOST_GRID} magnitudes, got {grid}")
     search = _prepare(p0_m, tangent0, p1_m, tangent1, start_curvature_per_m, magnitudes)
     x = _square(np.geomspace(search.low, search.high, grid))
     end = np.repeat(np.arange(len(search.ends)), len(x))
@@ -147,8 +157,8 @@ def flyable(
     directions = len(np.atleast_2d(np.asarray(tangent1)))
     found = _best(search, *_refined(search, x, end, limits, spread), limits)
     if found is None:
-        nothing = (math.nan, math.nan)
-        return Flyable(None, False, ("join",), False, -1, -1, math.nan, nothing, math.nan, "no curve joins these ends")
+        anything = (-0.5 * math.pi, 0.5 * math.pi)
+        return Flyable(None, False, ("join",), False, -1, -1, math.inf, anything, math.inf, "no curve joins these ends")
     if (found[3] <= SLACK).all():
         return _result(*found[:3], directions, (), False, "within all limits")
     alone = []
@@ -199,23 +209,31 @@ def _prepare(
     magnitudes: tuple[float, float],
 ) -> _Search:
     low, high = magnitudes
-    if not 0.0 < low < high <= 3.0:
-        raise ValueError(f"magnitudes: give bounds with 0 < low < high <= 3 chords, got {magnitudes}")
-    p0, t0 = np.array(three("p0_m", p0_m)), np.array(three("tangent0", tangent0))
+    if not LEAST_MAGNITUDE <= low < high <= 3.0:
+        raise WrongOption(f"magnitudes: give bounds with 0 < low < high <= 3 chords ({LEAST_MAGNITUDE:g} at least), got {magnitudes}")
+    p0, t0 = np.array(three("p0_m", p0_m)), _sized(np.array(three("tangent0", tangent0)))
     points = np.array([three("p1_m", p) for p in np.atleast_2d(np.asarray(p1_m, dtype=np.float64))])
-    tangents = np.array([three("tangent1", t) for t in np.atleast_2d(np.asarray(tangent1, dtype=np.float64))])
+    tangents = np.array([_sized(np.array(three("tangent1", t))) for t in np.atleast_2d(np.asarray(tangent1, dtype=np.float64))])
     size = np.linalg.norm(tangents, axis=1)
     if not (np.linalg.norm(t0) > 0.0 and (size > 0.0).all()):
-        raise ValueError("tangent0, tangent1: give non-zero directions")
-    if (points == p0).all(axis=1).any():
-        raise ValueError("p1_m: give end points that differ from the start")
+        raise NoDirection("tangent0, tangent1: give non-zero directions")
+    chords = np.linalg.norm(points - p0, axis=1)
+    if chords.min() < SMALLEST_M:
+        raise SamePoint("p1_m: give end points that differ from the start")
     t0 = t0 / np.linalg.norm(t0)
     wanted = None
     if bend is not None:
         wanted = np.array(three("start_curvature_per_m", bend))
+        if np.abs(wanted).max() * chords.max() > MOST_BEND:
+            raise OutOfProportion(f"start_curvature_per_m: give a bend of at most {MOST_BEND:g} over the distance, got {bend}")
         wanted = wanted - (wanted @ t0) * t0
     ends, headings = np.repeat(points, len(tangents), axis=0), np.tile(tangents / size[:, None], (len(points), 1))
     return _Search(p0, t0, ends, headings, wanted, low, high)
+
+
+def _sized(direction: FloatArray) -> FloatArray:
+    """The same direction, longer where the squares of its numbers would be lost."""
+    return direction * 1e200 if np.abs(direction).max() < 1e-100 else direction
 
 
 def _best(
@@ -230,6 +248,8 @@ def _best(
         curve = one.curve(0)
         rate = float(_measure(one, limits, FINE)[0, 3])
         measured = np.array([curve.max_curvature(), *curve.climb_range_rad(), rate])
+        if not np.isfinite(measured).all():  # a cusp
+            continue
         excess = _excess(measured[None], limits)[0]
         if best is None or (excess <= SLACK).all():
             best = curve, measured, int(end[i]), excess

@@ -1,17 +1,26 @@
-"""Writes the pictures and the table of this folder: ``python docs/methods/make.py [--encounters N]``.
+"""Writes the pictures and the tables of this folder: ``python docs/methods/make.py [--encounters N] [--scenes N]``.
 
 Pictures: the velocity sphere seen along the present velocity, azimuthal equidistant (distance from the centre is the angle to v_u,
 up is up), for the paper's single case (reading azimuth_106) and for its two obstacles (Table 3 with the elevation of O_2 positive,
 so that both are threats).
 
 Table: status of every method on random encounters with 1 to 6 obstacles, fixed by seed, all with the present velocity inside some cone.
+
+Times: the scenes of ``tests/benchmarks/bench_vosc.py``, process time, every method and RVO2-3D (the package jt-pyrvo23d) on each scene in
+turn, the least of three calls. RVO2-3D decides for every agent of a step, so its time is a step's divided by the agents.
 """
 
 import argparse
+import importlib.util
 import math
+import platform
+import sys
+import time
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -168,15 +177,76 @@ def table(measured: list[Tally], number: int) -> str:
     return "\n".join(rows) + "\n"
 
 
+TIMED = {
+    "10 obstacles": ("scoam", "least_deflection", "orca", "planes", "droam_hp"),
+    "100 obstacles": ("scoam", "least_deflection", "orca", "planes", "droam_hp"),
+    "1000 obstacles": ("scoam", "least_deflection", "orca", "planes", "droam_hp"),
+}
+TIMES_TITLE = "## How long an answer takes"
+
+
+def bench() -> ModuleType:
+    """The scenes of the benchmark."""
+    spec = importlib.util.spec_from_file_location("bench_vosc", HERE.parents[1] / "tests" / "benchmarks" / "bench_vosc.py")
+    if spec is None or spec.loader is None:
+        raise FileNotFoundError("tests/benchmarks/bench_vosc.py")
+    sys.modules["bench_vosc"] = module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def least_us(call: Callable[[], object]) -> float:
+    """Least process time of three calls, us."""
+    spent = []
+    for _ in range(3):
+        start = time.process_time()
+        call()
+        spent.append(time.process_time() - start)
+    return 1e6 * min(spent)
+
+
+def times(number: int) -> str:
+    """The section of times: medians over ``number`` scenes (5 with 1000 obstacles), and multiples of RVO2-3D's."""
+    scenes = bench()
+    rows = [
+        TIMES_TITLE,
+        "",
+        f"Written by `make.py --scenes {number}`: process time of `avoid`, us, median over {number} scenes (5 with 1000 obstacles), and",
+        "how many times that of RVO2-3D (C++, one agent's decision, no limit on neighbours), measured on the same scenes in the same run;",
+        f"python {platform.python_version()}, numpy {np.__version__}, {platform.machine()}.",
+        "",
+        "| scene | RVO2-3D | " + " | ".join(TIMED["10 obstacles"]) + " |",
+        "|---|---|" + "---|" * len(TIMED["10 obstacles"]),
+    ]
+    for name, methods in TIMED.items():
+        scene = scenes.SCENES[name]
+        spent: dict[str, list[float]] = {m: [] for m in ("rvo", *methods)}
+        for own, obstacles in scenes.draw(scene, 5 if scene.count >= 1000 else number):
+            step = scenes.rvo_step(own, obstacles)
+            spent["rvo"].append(least_us(step) / (len(obstacles) + 1))
+            for m in methods:
+                spent[m].append(least_us(lambda m=m, own=own, obstacles=obstacles: avoid(m, own, obstacles)))  # type: ignore[misc]
+        middle = {m: float(np.median(v)) for m, v in spent.items()}
+        cells = [f"{middle[m]:.0f} ({middle[m] / middle['rvo']:.1f})" for m in methods]
+        rows.append(f"| {name} | {middle['rvo']:.1f} | {' | '.join(cells)} |")
+    return "\n".join(rows) + "\n"
+
+
 def main() -> None:
     """Write everything."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--encounters", type=int, default=ENCOUNTERS, help="0 leaves the table as it is")
-    number = parser.parse_args().encounters
+    parser.add_argument(
+        "--scenes", type=int, default=0, help="scenes to time the methods on (0, the default, leaves the times as they are)"
+    )
+    arguments = parser.parse_args()
+    number, page = arguments.encounters, HERE / "rates.md"
+    rates, _, kept = page.read_text(encoding="utf-8").partition(TIMES_TITLE)
     for method in METHODS:
         (HERE / f"{method}.svg").write_text(picture(method), encoding="utf-8")
-    if number:
-        (HERE / "rates.md").write_text(table(measure(number), number), encoding="utf-8")
+    rates = table(measure(number), number) if number else rates.rstrip() + "\n"
+    timed = times(arguments.scenes) if arguments.scenes else TIMES_TITLE + kept
+    page.write_text(f"{rates}\n{timed}", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -77,7 +77,11 @@ def methods(number: int) -> None:
     for name, scene in SCENES.items():
         drawn = draw(scene, max(10, number // (10 if scene.count >= 1000 else 1)))
         threats = np.mean([sum(threat(own, o).is_threat for o in obstacles) for own, obstacles in drawn])
-        for method in METHODS if scene.count <= 10 else ("scoam", "least_deflection", "droam_hp"):
+        for method in (
+            METHODS
+            if scene.count <= 10
+            else ("scoam", "least_deflection", "droam_hp", *(("orca", "planes") if scene.edge_m > 1000.0 else ()))
+        ):
             spent = [least_of(lambda m=method, e=encounter: avoid(m, *e)) for encounter in drawn]
             limit = LIMITS_US.get((method, name))
             verdict = "" if limit is None else f"{limit:8.0f} {'kept' if np.median(spent) < limit else 'MISSED'}"
@@ -88,7 +92,12 @@ def methods(number: int) -> None:
 
 
 def rvo(own: Own, obstacles: list[Obstacle]) -> float:
-    """Time of one RVO2-3D decision, us: neighbours unlimited, horizon 5 s."""
+    """Time of one RVO2-3D decision, us."""
+    return least_of(rvo_step(own, obstacles)) / (len(obstacles) + 1)
+
+
+def rvo_step(own: Own, obstacles: list[Obstacle]) -> Callable[[], object]:
+    """One step of RVO2-3D, in which all decide: neighbours unlimited, horizon 5 s."""
     import rvo23d
 
     everyone = len(obstacles) + 1
@@ -96,7 +105,8 @@ def rvo(own: Own, obstacles: list[Obstacle]) -> float:
     sim.addAgent(own.pos_m, 1e5, everyone, 5.0, 0.0, 50.0, own.vel_mps)
     for o in obstacles:
         sim.addAgent(o.pos_m, 1e5, everyone, 5.0, o.radius_m, 50.0, o.vel_mps)
-    return least_of(sim.doStep) / everyone
+    step: Callable[[], object] = sim.doStep
+    return step
 
 
 def paths() -> None:

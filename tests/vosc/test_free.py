@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from vosc import free
-from vosc.cone import Cone, cone_of, exact_cones, is_free, loop_point, loops_of, outside, peaks, zero
+from vosc.cone import Cone, cone_of, is_free, loop_point, loops_of, outside, peaks, zero
+from vosc.crowd import exact_cones
 from vosc.vec import norm
 
 

@@ -177,9 +177,10 @@ quaternion = st.tuples(component, component, component, component).filter(lambda
 
 
 def determined(p0, d0, p1, d1):
-    """Opposite tangents along the chord leave the plane of the turn open: either side is as good, and one is chosen."""
-    opposite = np.linalg.norm(d0 / np.linalg.norm(d0) + d1 / np.linalg.norm(d1)) < 1e-6
-    return not opposite or np.linalg.norm(np.cross(p1 - p0, d0)) > 1e-6 * np.linalg.norm(p1 - p0) * np.linalg.norm(d0)
+    """A tangent against the chord, all on one line, leaves the plane of the turn open: either side is as good, and one is chosen."""
+    chord, t0, t1 = unit(p1 - p0), unit(d0), unit(d1)
+    across = max(np.linalg.norm(np.cross(chord, t)) for t in (t0, t1))
+    return across > 1e-3 or min(chord @ t0, chord @ t1) > 0.0
 
 
 @given(data, quaternion, st.sampled_from([1.0, -1.0]), st.floats(0.01, 100.0))
@@ -343,7 +344,7 @@ def test_bad_data_say_what_to_do(changed, message):
 
 @pytest.mark.parametrize("points", [np.zeros(3), np.zeros((4, 2)), np.full((1, 3), np.nan)])
 def test_nearest_refuses_what_is_not_points(points):
-    with pytest.raises(ValueError, match=r"points: give a finite array of shape \(m, 3\)"):
+    with pytest.raises(ValueError, match=r"points: give an array of shape \(m, 3\)"):
         original_path().nearest(points)
 
 

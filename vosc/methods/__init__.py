@@ -23,7 +23,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from vosc.encounter import Obstacle, Own, cone_margin, threatening
+from vosc.crowd import Scene
+from vosc.encounter import Obstacle, Own, cone_margin
+from vosc.errors import WrongAnswer, WrongOption
 from vosc.methods.choice import Choice, Status
 from vosc.methods.differential_geometry import differential_geometry
 from vosc.methods.droam import droam_hp, droam_vp
@@ -78,25 +80,29 @@ def avoid(method: str | Method, own: Own, obstacles: Sequence[Obstacle], **optio
     """The velocity that a method, by name or as a function, commands against ``obstacles``; never NaN, never an exception for a
     physical input.
 
-    ``ValueError`` for a name not in ``METHODS``, an option the method does not have, a value it does not take, or an answer that is
-    none.
+    ``WrongOption`` for a name not in ``METHODS``, an option the method does not have or a value it does not take; ``WrongAnswer`` or
+    ``NotNumbers`` for an answer that is none.
     """
     if isinstance(method, str):
         name, method = method, _named(method)
         if not options.keys() <= OPTIONS[name]:
             unknown = ", ".join(sorted(options.keys() - OPTIONS[name]))
-            raise ValueError(f"method '{name}' has no option {unknown}; it has: {', '.join(sorted(OPTIONS[name])) or 'none'}")
-    obstacles = tuple(obstacles)
-    met = threatening(obstacles)
-    present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in met), default=math.inf)
-    if any(math.dist(own.pos_m, o.pos_m) < o.radius_m for o in met):
+            raise WrongOption(f"method '{name}' has no option {unknown}; it has: {', '.join(sorted(OPTIONS[name])) or 'none'}")
+    obstacles = Scene(obstacles)
+    met = obstacles.threats
+    present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in met.near_the_least_margin(own.pos_m, own.vel_mps)), default=math.inf)
+    if met.has_inside(own.pos_m):
         choice = Choice(own.vel_mps, Status.INSIDE)
     elif present >= -MARGIN_RAD:
         choice = Choice(own.vel_mps, Status.CLEAR)
     else:
         choice = checked_choice(method(own, obstacles, **options))
     kept = choice.velocity_mps == own.vel_mps
-    margin = present if kept else min(cone_margin(own.pos_m, choice.velocity_mps, o) for o in met)
+    margin = (
+        present
+        if kept
+        else min(cone_margin(own.pos_m, choice.velocity_mps, o) for o in met.near_the_least_margin(own.pos_m, choice.velocity_mps))
+    )
     status = Status(choice.status)
     if status is Status.AVOIDED and margin < -MARGIN_RAD:
         status = Status.UNSAFE
@@ -104,17 +110,17 @@ def avoid(method: str | Method, own: Own, obstacles: Sequence[Obstacle], **optio
 
 
 def checked_choice(answer: Any) -> Choice:
-    """What a method handed back, as a ``Choice`` of floats; ``ValueError`` in words when it is no such thing."""
+    """What a method handed back, as a ``Choice`` of floats; ``WrongAnswer`` or ``NotNumbers`` in words when it is no such thing."""
     try:
         velocity, status = answer
     except (TypeError, ValueError):
-        raise ValueError(f"the method must return Choice(velocity_mps, status), not {answer!r}") from None
+        raise WrongAnswer(f"the method must return Choice(velocity_mps, status), not {answer!r}") from None
     if not (isinstance(status, str) and status in CHOICES):
-        raise ValueError(f"the method's status must be one of {', '.join(CHOICES)}, not {status!r}")
+        raise WrongAnswer(f"the method's status must be one of {', '.join(CHOICES)}, not {status!r}")
     return Choice(three("the method's velocity", velocity), Status(status))
 
 
 def _named(name: str) -> Method:
     if name not in METHODS:
-        raise ValueError(f"no avoidance method '{name}'; there are: {', '.join(METHODS)}")
+        raise WrongOption(f"no avoidance method '{name}'; there are: {', '.join(METHODS)}")
     return METHODS[name]

@@ -8,7 +8,7 @@ the curvature to that direction; here only the direction is asked for. One obsta
 
 from collections.abc import Sequence
 
-from vosc.cone import exact_cones
+from vosc.crowd import exact_cones
 from vosc.encounter import Obstacle, Own, threat, threatening
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import circle_in_plane, least_turn

@@ -9,8 +9,9 @@ azimuth.
 from collections.abc import Sequence
 from typing import Literal
 
-from vosc.cone import exact_cones
-from vosc.encounter import Obstacle, Own, threatening
+from vosc.crowd import exact_cones, scene_of
+from vosc.encounter import Obstacle, Own
+from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import Circle, least_turn, level_circle, vertical_circle
 
@@ -18,7 +19,7 @@ from vosc.turns import Circle, least_turn, level_circle, vertical_circle
 def _best(own: Own, obstacles: Sequence[Obstacle], circle: Circle, senses: tuple[int, ...]) -> Choice:
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
-    found = least_turn(exact_cones(own, threatening(obstacles)), [circle], senses)
+    found = least_turn(exact_cones(own, scene_of(obstacles).threats), [circle], senses)
     return undefined(own) if found is None else Choice(found, Status.AVOIDED)
 
 
@@ -30,7 +31,7 @@ def droam_hp(own: Own, obstacles: Sequence[Obstacle], side: Literal["least", "le
     """
     senses = {"least": (-1, 1), "left": (1,), "right": (-1,)}
     if side not in senses:
-        raise ValueError(f"side: 'least', 'left' or 'right', got {side!r}")
+        raise WrongOption(f"side: 'least', 'left' or 'right', got {side!r}")
     return _best(own, obstacles, level_circle(own.vel_mps), senses[side])
 
 
@@ -43,6 +44,6 @@ def droam_vp(own: Own, obstacles: Sequence[Obstacle], side: Literal["least", "up
     """
     senses = {"least": (1, -1), "up": (1,), "down": (-1,)}
     if side not in senses:
-        raise ValueError(f"side: 'least', 'up' or 'down', got {side!r}")
+        raise WrongOption(f"side: 'least', 'up' or 'down', got {side!r}")
     circle = vertical_circle(own.vel_mps)
     return undefined(own) if circle is None else _best(own, obstacles, circle, senses[side])

@@ -10,11 +10,19 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
+from vosc import columns, crowd
+from vosc.columns import Columns
 from vosc.cone import Cone
-from vosc.encounter import Obstacle, Own, relative_velocity, threatening
+from vosc.crowd import MARGIN, Crowd, Scene, scene_of
+from vosc.encounter import Obstacle, Own, relative_velocity
+from vosc.errors import WrongOption
 from vosc.free import nearest_free
 from vosc.methods.choice import Choice, Status, undefined
-from vosc.vec import Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
+from vosc.vec import FloatArray, Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
+
+SURE = 1e-5  # shares above this: rounding is far below MARGIN
 
 
 class HalfSpace(NamedTuple):
@@ -110,21 +118,80 @@ def orca(
     ``responsibility`` 1 takes the whole correction, 0.5 is the reciprocal half. ``horizon_s`` cuts the velocity obstacle off beyond
     that time. ``keep_speed`` asks for the present speed exactly, as a fixed-wing aircraft does; without it every speed up to the
     present one is allowed, as in the original. ``undefined`` when the half-spaces have no common point of that speed.
-    ``ValueError`` for a responsibility outside (0, 1] or a horizon that is not above 0.
+    ``WrongOption`` for a responsibility outside (0, 1] or a horizon that is not above 0.
     """
     if not 0.0 < responsibility <= 1.0:
-        raise ValueError(f"responsibility: give a share in (0, 1], got {responsibility}")
+        raise WrongOption(f"responsibility: give a share in (0, 1], got {responsibility}")
     if not horizon_s > 0.0:
-        raise ValueError(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
-    spaces = [half_space(own, o, responsibility, horizon_s) for o in threatening(obstacles)]
-    speed = norm(own.vel_mps)
+        raise WrongOption(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
+    scene, speed = scene_of(obstacles).threats, norm(own.vel_mps)
     if not keep_speed:
-        point = nearest_in_ball(spaces, own.vel_mps, speed)
+        point = nearest_in_ball([half_space(own, o, responsibility, horizon_s) for o in scene], own.vel_mps, speed)
         return undefined(own) if point is None else Choice(point, Status.AVOIDED)
-    if speed == 0.0 or any(h.offset > speed for h in spaces):
-        return undefined(own)
-    # a half-space forbids the velocities within a circle round the opposite of its normal
-    circles = [h for h in spaces if h.offset > -speed]
-    forbidden = [Cone((0.0, 0.0, 0.0), scale(-1.0, h.normal), -h.offset / speed, math.sqrt(1.0 - (h.offset / speed) ** 2)) for h in circles]
-    found = nearest_free(forbidden, speed, own.vel_mps)
+    forbidden = None if speed == 0.0 else forbidden_circles(own, scene, responsibility, horizon_s)
+    found = None if forbidden is None else nearest_free(forbidden, speed, own.vel_mps)
     return undefined(own) if found is None else Choice(found, Status.AVOIDED)
+
+
+def circle_of(space: HalfSpace, speed: float) -> Cone:
+    """The velocities of one speed that a half-space forbids: those within a circle round the opposite of its normal."""
+    return Cone((0.0, 0.0, 0.0), scale(-1.0, space.normal), -space.offset / speed, math.sqrt(1.0 - (space.offset / speed) ** 2))
+
+
+def forbidden_circles(own: Own, scene: Scene, responsibility: float, horizon_s: float) -> Sequence[Cone] | None:
+    """The circles of all obstacles; ``None`` when one of them is the whole sphere. Of many, rough ones first (``vosc.crowd``)."""
+    speed = norm(own.vel_mps)
+    if len(scene) <= crowd.FEW:
+        spaces = [half_space(own, o, responsibility, horizon_s) for o in scene]
+        if any(h.offset > speed for h in spaces):
+            return None
+        return [circle_of(h, speed) for h in spaces if h.offset > -speed]
+    (x, y, z), offsets = rough_half_spaces(own, scene, responsibility, horizon_s)
+    near = ~(np.abs(np.abs(offsets) - speed) > MARGIN * speed)  # these are decided by the exact half-space, and so are those not known
+    for k in np.nonzero(near)[0].tolist():
+        (x[k], y[k], z[k]), offsets[k] = half_space(own, scene[k], responsibility, horizon_s)
+    if (offsets > speed).any():
+        return None
+    known = np.nonzero(offsets > -speed)[0]
+    cosine, numbers = -offsets[known] / speed, known.tolist()
+
+    def make(k: int) -> Cone:
+        return circle_of(half_space(own, scene[numbers[k]], responsibility, horizon_s), speed)
+
+    centre = np.zeros(len(known))
+    return Crowd((centre, centre, centre), (-x[known], -y[known], -z[known]), cosine, np.sqrt(1.0 - cosine**2), make)
+
+
+def rough_half_spaces(own: Own, scene: Scene, responsibility: float, horizon_s: float) -> tuple[Columns, FloatArray]:
+    """``half_space`` of many obstacles: normals, offsets (n,); offsets are NaN where rounding could matter."""
+    p, distance = scene.rough(own.pos_m).p, scene.rough(own.pos_m).distance
+    _, velocities, r = scene.arrays
+    rate = 1.0 / horizon_s
+    x, y, z = velocities
+    v = own.vel_mps[0] - x, own.vel_mps[1] - y, own.vel_mps[2] - z
+    with np.errstate(all="ignore"):
+        w = columns.along(v, -rate, p)
+        size, ahead = columns.length(w), columns.dot(w, p)
+        sine = -ahead / (size * distance)  # of the line of sight beyond the rim of the cut-off sphere
+        cut = (ahead < 0.0) & (ahead * ahead > r * r * size * size)
+        distance2, b, v2 = distance * distance, columns.dot(p, v), columns.dot(v, v)
+        tangent2 = distance2 - r * r
+        across = columns.cross(p, v)
+        under = b * b - distance2 * (v2 - columns.dot(across, across) / tangent2)
+        t = (b + np.sqrt(np.maximum(under, 0.0))) / distance2
+        off = columns.along(v, -t, p)
+        far = columns.length(off)
+        n0, n1, n2 = (np.where(cut, a / size, b / far) for a, b in zip(w, off, strict=True))
+        reach = np.where(cut, r * rate - size, r * t - far)
+        u0, u1, u2 = own.vel_mps
+        offsets = n0 * u0 + n1 * u1 + n2 * u2 + responsibility * reach
+        known = (size > SURE * (columns.length(v) + rate * distance)) & np.where(
+            cut,
+            True,
+            (tangent2 > SURE * distance2) & (under > SURE * b * b) & (far > SURE * (np.sqrt(v2) + np.abs(t) * distance)),
+        )
+        known &= np.abs(sine - r / distance) > SURE
+        known &= np.sqrt(v2) > SURE * (norm(own.vel_mps) + columns.length(velocities))
+        known &= np.sqrt(v2) < norm(own.vel_mps) / SURE
+    offsets[~known] = math.nan
+    return (n0, n1, n2), offsets
