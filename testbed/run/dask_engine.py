@@ -1,28 +1,54 @@
 """The same interface on a Dask cluster, for campaigns too large for one machine.
 
 With a scheduler's address, workers started with ``dask worker ADDRESS --nthreads 1`` fly; without one, a cluster of this machine
-does. Workers need the same code and versions, and the folder of the recordings on a disk they share.
+does. Workers need the same code and versions, and the folder of the recordings on a disk they share. docs/clusters.md has recipes.
 """
 
 import contextlib
 import importlib.util
-import itertools
 import logging
-from collections.abc import Callable, Generator, Iterator, Sequence
-from dataclasses import dataclass
+import queue
+import sys
+import threading
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from testbed.run import identity
-from testbed.run.engines import Died, EngineError, Item, Numbered, Result, attempt, environment_of_workers
+from testbed.run import dask_worker
+from testbed.run.crew import Todo
+from testbed.run.dask_worker import Work
+from testbed.run.engines import WALL_LIMIT_S, Died, EngineError, Item, Numbered, Result, environment_of_workers
 
-CHUNK = 16
-"""Flights in a task: a task costs the scheduler milliseconds, as much as a short flight."""
+CHUNK = 64
+"""The most flights in a task."""
 
-CHUNKS_AHEAD = 3
+CHUNK_S = 0.5
+"""Work in a task: the scheduler, its worker and the driver spend some milliseconds on each."""
+
+TASKS_AHEAD = 3
 """Tasks handed out for each worker."""
 
-PATIENCE_S = 30
+PATIENCE_S = 30.0
+"""So long the scheduler may take to answer; and no workers, or silence of one, is told after so long."""
+
+RECONNECT_S = 60.0
+"""So long a scheduler that is lost, or another at its address or in its file, may take to come."""
+
+CENSUS_S = 5.0
+"""So often the scheduler is asked who works for it."""
+
+STALL_S = 600.0
+"""Without any answer for so long, and twice the limit of a call, nobody is at work; a scheduler gives up a silent worker after 300 s."""
+
+
+class EngineLostError(EngineError):
+    """The engine was lost while it worked; what it answered is kept, and the rest can be done later."""
+
+
+class _SchedulerLostError(Exception):
+    """str() says how that shows."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +59,7 @@ class DaskEngine:
     scheduler: str | None = None
     chunk: int = CHUNK
     name: str = "dask"
+    wall_limit_s: float = WALL_LIMIT_S
 
     def __post_init__(self) -> None:
         if importlib.util.find_spec("distributed") is None:
@@ -42,84 +69,262 @@ class DaskEngine:
     def workers(self) -> int | None:
         return None if self.scheduler else self.size
 
-    def imap(self, fn: Callable[[Item], Result], items: Sequence[Item]) -> Generator[tuple[int, Result | Died], None, None]:
+    def imap(self, fn: Callable[[Item], Result], items: Iterable[Item]) -> Generator[tuple[int, Result | Died], None, None]:
         """Call ``fn``, which the workers must be able to import, on each item."""
-        with self._client() as client:
-            _check_workers(client)
-            suspects: list[Numbered] = []
-            for numbered, answers in self._drain(client, fn, list(enumerate(items))):
-                if answers is None:
-                    suspects += numbered
-                else:
-                    yield from answers
-            for suspect in suspects:  # alone: a scheduler blames every task that a dead worker had
-                future = client.submit(_call_all, fn, [suspect], pure=False)
-                problem = future.exception() if not future.cancelled() else None
-                yield future.result()[0] if future.status == "finished" else (suspect[0], Died(f"its worker died, twice ({problem!r})"))
-
-    def _drain(self, client: Any, fn: Callable, items: list[Numbered]) -> Iterator[tuple[list[Numbered], list[Numbered] | None]]:
-        """Yield (items, their answers, or None if the task was lost) for each task as it ends."""
-        from distributed import as_completed
-
-        tasks = iter([items[start : start + self.chunk] for start in range(0, len(items), self.chunk)])
-        given: dict[str, list[Numbered]] = {}
-        running = as_completed(loop=client.loop)
-
-        def give(count: int) -> None:
-            for numbered in itertools.islice(tasks, count):
-                future = client.submit(_call_all, fn, numbered, pure=False)
-                given[future.key] = numbered
-                running.add(future)
-
-        give(CHUNKS_AHEAD * len(client.scheduler_info(n_workers=-1)["workers"]))
-        for future in running:
-            yield given.pop(future.key), future.result() if future.status == "finished" else None
-            give(1)
-
-    @contextlib.contextmanager
-    def _client(self) -> Iterator[Any]:
-        import dask
-        from distributed import Client, LocalCluster
-
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what is lost is told here, in a sentence
+        todo = Todo(enumerate(items))
+        suspects: dict[int, int] = {}
         with contextlib.ExitStack() as stack:
-            if self.scheduler is None:
-                stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": 0}))
-                with environment_of_workers():  # its threads inherit that, and the workers that they start
-                    cluster = LocalCluster(
-                        n_workers=self.size,
-                        threads_per_worker=1,
-                        host="127.0.0.1",
-                        dashboard_address=None,
-                        silence_logs=logging.CRITICAL,
-                    )
-                where: dict[str, Any] = {"address": stack.enter_context(cluster)}
-            else:
-                is_file = Path(self.scheduler).is_file()
-                where = {"scheduler_file" if is_file else "address": self.scheduler}
+            where = self._where(stack)
+            client = _connected(where, PATIENCE_S)
             try:
-                client = stack.enter_context(Client(**where, timeout=PATIENCE_S, set_as_default=False))
-                client.wait_for_workers(1, timeout=PATIENCE_S)
-            except (OSError, ValueError, TimeoutError) as problem:
-                raise EngineError(f"no Dask cluster with workers at {self.scheduler}: {problem}") from None
-            yield client
+                _check_workers(client)
+                while True:
+                    shift = _Shift(self, client, fn, todo, suspects)
+                    try:
+                        yield from shift.work_off()
+                        return
+                    except _SchedulerLostError as how:
+                        shift.give_all_back()
+                        _close(client)
+                        client = self._reconnected(where, str(how))
+            finally:
+                _close(client)
+
+    def _where(self, stack: contextlib.ExitStack) -> dict[str, Any]:
+        """What a client needs to find the scheduler; without one, a cluster of this machine, until the stack is left."""
+        if self.scheduler is not None:
+            is_file = Path(self.scheduler).is_file()
+            return {"scheduler_file" if is_file else "address": self.scheduler}
+        import dask
+        from distributed import LocalCluster
+
+        stack.enter_context(
+            dask.config.set({"distributed.scheduler.allowed-failures": 0, "distributed.scheduler.worker-ttl": "60 seconds"})
+        )
+        with environment_of_workers():  # its threads inherit that, and the workers that they start
+            cluster = LocalCluster(
+                n_workers=self.size,
+                threads_per_worker=1,
+                host="127.0.0.1",
+                dashboard_address=None,
+                silence_logs=logging.CRITICAL,
+            )
+        return {"address": stack.enter_context(cluster)}
+
+    def _reconnected(self, where: dict[str, Any], how: str) -> Any:
+        """A client of the scheduler that is back, or of another in its place."""
+        place = self.scheduler or "this machine"
+        _say(f"the Dask scheduler at {place} {how}; waiting up to {RECONNECT_S:g} s for it, or for another in its place")
+        end = time.monotonic() + RECONNECT_S
+        while time.monotonic() < end:
+            with contextlib.suppress(EngineError):
+                client = _connected(where, min(5.0, RECONNECT_S), workers=0)
+                _say("a Dask scheduler is there; going on")
+                return client
+            time.sleep(0.5)
+        raise EngineLostError(f"the Dask scheduler at {place} {how}, and none came in its place for {RECONNECT_S:g} s")
 
 
-def _call_all(fn: Callable[[Any], Any], numbered: list[Numbered]) -> list[Numbered]:
-    return [(number, attempt(fn, item)) for number, item in numbered]
+@dataclass
+class _Shift:
+    """The time with one scheduler."""
+
+    engine: DaskEngine
+    client: Any
+    fn: Callable[[Any], Any]
+    todo: Todo
+    suspects: dict[int, int]
+    """Calls whose task was lost with its Dask worker, and how often: they go out alone."""
+    given: dict[str, tuple[Any, list[Numbered]]] = field(default_factory=dict)
+    ended: queue.SimpleQueue[Any] = field(default_factory=queue.SimpleQueue)
+    pace_s: float = 0.1
+    """Of a call, so far as is known."""
+
+    def work_off(self) -> Iterator[Numbered]:
+        """Yield the result of each call, until there is none left."""
+        wanted = dask_worker.fingerprint()
+        census = _Census(self.client)
+        last_end = time.monotonic()
+        while self.todo.ready(1) or self.given:
+            while self.todo.ready(1) and len(self.given) < TASKS_AHEAD * max(1, census.count):
+                self._give(census.count, wanted)
+            with contextlib.suppress(queue.Empty):
+                future = self.ended.get(timeout=1.0)
+                last_end = time.monotonic()
+                yield from self._take(future)
+            census.look()
+            if not census.count:
+                last_end = time.monotonic()
+            if time.monotonic() - last_end > 2 * self.engine.wall_limit_s + STALL_S:
+                raise EngineLostError(f"no Dask worker has answered for {time.monotonic() - last_end:.0f} s")
+
+    def give_all_back(self) -> None:
+        """Nobody is to blame for a task that the scheduler took with it."""
+        for _, calls in self.given.values():
+            self.todo.give_back(calls)
+        self.given.clear()
+
+    def _give(self, workers: int, wanted: dict[str, Any]) -> None:
+        most = max(1, min(self.engine.chunk, int(CHUNK_S / self.pace_s)))
+        waiting = self.todo.ready(2 * most * max(1, workers))
+        calls = [self.todo.take() for _ in range(min(most, -(-waiting // (2 * max(1, workers)))))]
+        alone = next((place for place, (number, _) in enumerate(calls) if number in self.suspects), None)
+        if alone is not None:
+            keep = max(1, alone)
+            self.todo.give_back(calls[keep:])
+            calls = calls[:keep]
+        future = self.client.submit(dask_worker.call_all, self.fn, calls, self.engine.wall_limit_s, wanted, pure=False)
+        self.given[future.key] = (future, calls)
+        future.add_done_callback(self.ended.put)
+
+    def _take(self, future: Any) -> Iterator[Numbered]:
+        """What came of a task: answers, and calls to give again."""
+        if future.key not in self.given:
+            return
+        work: Work | None = None
+        problem: BaseException | None = None
+        try:
+            work = future.result(timeout=PATIENCE_S)
+        except Exception as lost:  # whatever Dask raises for a task that is lost
+            problem = lost
+        _, calls = self.given.pop(future.key)
+        try:
+            if work is None:
+                _check_alive(self.client)  # a task that went with the scheduler is nobody's fault
+        except _SchedulerLostError:
+            self.todo.give_back(calls)
+            raise
+        if work is None:
+            yield from self._blame(calls, problem)
+            return
+        if work.refusal:
+            raise EngineError("the Dask workers differ from this installation:\n" + "\n".join(f"  {line}" for line in work.refusal[:10]))
+        answered = {number for number, _ in work.answers}
+        self.todo.give_back(call for call in calls if call[0] not in answered)
+        if answered:
+            self.pace_s += 0.3 * (max(work.took_s / len(answered), 1e-4) - self.pace_s)
+        yield from work.answers
+
+    def _blame(self, calls: list[Numbered], problem: BaseException | None) -> Iterator[Numbered]:
+        """The Dask worker of this task died, as often as the scheduler allows: the calls go out alone, and then once more at most."""
+        from distributed import KilledWorker
+
+        again = []
+        for number, item in calls:
+            if isinstance(problem, KilledWorker) or self.suspects.get(number, 0):
+                self.suspects[number] = self.suspects.get(number, 0) + 1
+            else:
+                self.suspects.setdefault(number, 0)
+            if self.suspects[number] >= 2 and len(calls) == 1:
+                yield number, Died(f"its Dask worker died on it, twice ({type(problem).__name__}: {problem})")
+            else:
+                again.append((number, item))
+        self.todo.give_back(again)
 
 
-def _fingerprint() -> dict[str, Any]:
-    return {"code": identity.code_hash(), "versions": identity.versions()}
+class _Census:
+    """Who works for the scheduler; says so when nobody does, or when one falls silent."""
+
+    def __init__(self, client: Any):
+        self._client = client
+        self._workers: dict[str, Any] = _identity(client)
+        self._looked = self._peopled = time.monotonic()
+        self._told = 0.0
+        self._heard: dict[str, tuple[float, float]] = {}
+        self._silent: set[str] = set()
+
+    @property
+    def count(self) -> int:
+        return len(self._workers)
+
+    def look(self) -> None:
+        """Ask, if it is time to. Raises ``_SchedulerLostError``."""
+        if self._client.status != "running":
+            raise _SchedulerLostError("is gone")
+        now = time.monotonic()
+        if now - self._looked < min(CENSUS_S, PATIENCE_S / 3):
+            return
+        self._workers = _identity(self._client)
+        self._looked = now = time.monotonic()
+        if self._workers:
+            if self._told:
+                _say(f"{self.count} Dask workers are there again")
+            self._peopled, self._told = now, 0.0
+        elif now - self._peopled > max(PATIENCE_S, 2 * self._told):
+            self._told = now - self._peopled
+            _say(f"no Dask workers for {self._told:.0f} s; waiting for some")
+        self._listen(now)
+
+    def _listen(self, now: float) -> None:
+        for address, about in self._workers.items():
+            last, since = self._heard.get(address, (None, now))
+            if about.get("last_seen") != last:
+                self._heard[address] = (about.get("last_seen"), now)
+                self._silent.discard(address)
+            elif now - since > PATIENCE_S and address not in self._silent:
+                self._silent.add(address)
+                _say(f"no word of the Dask worker {address} for {now - since:.0f} s; after a time of its own the scheduler gives it up")
+
+
+def _connected(where: dict[str, Any], patience_s: float, workers: int = 1) -> Any:
+    """A client. Raises ``EngineError`` if there is no scheduler, or too few workers."""
+    from distributed import Client
+
+    client = None
+    try:
+        client = Client(**where, timeout=patience_s, set_as_default=False)
+        if workers:
+            client.wait_for_workers(workers, timeout=patience_s)
+    except (OSError, ValueError, TimeoutError) as problem:
+        if client is not None:
+            _close(client)
+        place = where.get("scheduler_file") or where.get("address")
+        raise EngineError(f"no Dask cluster with workers at {place} within {patience_s:g} s: {problem}") from None
+    return client
+
+
+def _close(client: Any) -> None:
+    """Close it, in a thread of its own, because a client whose scheduler is lost may wait for it."""
+
+    def close() -> None:
+        with contextlib.suppress(Exception):
+            client.close(timeout=2)
+
+    closer = threading.Thread(target=close, daemon=True)
+    closer.start()
+    closer.join(timeout=5)
+
+
+def _identity(client: Any) -> dict[str, Any]:
+    """The workers, as the scheduler says now. Raises ``_SchedulerLostError``."""
+    if client.status != "running":
+        raise _SchedulerLostError("is gone")
+    try:
+        return client.sync(client.scheduler.identity, n_workers=-1, callback_timeout=PATIENCE_S)["workers"]
+    except TimeoutError:
+        raise _SchedulerLostError(f"has not answered for {PATIENCE_S:g} s") from None
+    except Exception:  # a connection that closes shows itself in many ways
+        raise _SchedulerLostError("is gone") from None
+
+
+def _check_alive(client: Any) -> None:
+    _identity(client)
+
+
+def _say(text: str) -> None:
+    with contextlib.suppress(OSError, ValueError, AttributeError):  # a stderr that is closed
+        print(text, file=sys.stderr, flush=True)
 
 
 def _check_workers(client: Any) -> None:
     """Refuse workers that would fly something else, or several flights in one process."""
     try:
-        theirs = client.run(_fingerprint)
+        theirs = client.run(dask_worker.fingerprint)
     except Exception as problem:  # whatever a worker raises when it cannot import us
         raise EngineError(f"the Dask workers cannot run this project: {type(problem).__name__}: {problem}") from None
-    ours = _fingerprint()
-    wrong = [f"  {worker}: {line}" for worker, its in theirs.items() for line in identity.differences(its, ours)]
+    ours = dask_worker.fingerprint()
+    wrong = [f"  {worker}: {line}" for worker, its in theirs.items() for line in dask_worker.refusals(its, ours)]
     wrong += [
         f"  {worker}: runs {threads} threads; start it with --nthreads 1" for worker, threads in client.nthreads().items() if threads > 1
     ]

@@ -2,6 +2,7 @@ import multiprocessing
 import multiprocessing.resource_tracker
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -9,7 +10,8 @@ import time
 
 import pytest
 
-from testbed.run.engines import Died, EngineError, LocalEngine, _work, usable_cores
+from testbed.run.engines import Died, EngineError, LocalEngine, usable_cores
+from testbed.run.worker import work
 from tests.run import fakes
 
 pytestmark = pytest.mark.slow  # every test spawns processes
@@ -140,9 +142,8 @@ def test_leaving_early_ends_the_workers(tmp_path):
 
 
 def test_a_worker_that_starts_when_all_is_done_ends_in_silence(capfd):
-    context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    worker = context.Process(target=_work, args=(theirs, fakes.square))
+    ours, theirs = socket.socketpair()
+    worker = multiprocessing.get_context("spawn").Process(target=work, args=(theirs, os.getpid()))
     worker.start()
     ours.close()
     theirs.close()
