@@ -194,28 +194,30 @@ class Crew:
     def _hear(self, hand: Hand, todo: Todo) -> Iterator[tuple[int, Any]]:
         """Take the messages of a worker, or notice its end."""
         try:
-            messages = hand.wire.receive()
+            while messages := hand.wire.receive():
+                for message in messages:
+                    yield from self._answered(hand, message)
         except EOFError:
             yield from self._bury(hand, todo)
             return
         except NoMessageError:
             yield from self._end(hand, todo, "sent what is no answer")
             return
-        for message in messages:
-            hand.since = self._clock.now
-            if not hand.ready:
-                hand.ready, self._failed_starts = True, 0
-                continue
-            number, took_s, has_grown = ANSWER.unpack_from(message) if len(message) > ANSWER.size else (-1, 0.0, False)
-            if not hand.outstanding or number != hand.outstanding[0][0]:
-                yield from self._end(hand, todo, "sent what is no answer")
-                return
-            hand.outstanding.popleft()
-            hand.is_spent |= has_grown
-            self._pace_s += 0.1 * (max(took_s, 1e-4) - self._pace_s)
-            yield number, _read(message[ANSWER.size :])
         if (hand.is_spent or hand.given >= self.calls_per_worker) and not hand.outstanding:
             self._dismiss(hand)
+
+    def _answered(self, hand: Hand, message: bytes) -> Iterator[tuple[int, Any]]:
+        hand.since = self._clock.now
+        if not hand.ready:
+            hand.ready, self._failed_starts = True, 0
+            return
+        number, took_s, has_grown = ANSWER.unpack_from(message) if len(message) > ANSWER.size else (-1, 0.0, False)
+        if not hand.outstanding or number != hand.outstanding[0][0]:
+            raise NoMessageError
+        hand.outstanding.popleft()
+        hand.is_spent |= has_grown
+        self._pace_s += 0.1 * (max(took_s, 1e-4) - self._pace_s)
+        yield number, _read(message[ANSWER.size :])
 
     def _look_after(self, hand: Hand, todo: Todo) -> Iterator[tuple[int, Any]]:
         """End a worker whose time is up, and bury one whose wire does not tell that it is dead: a child of it may hold the other end."""

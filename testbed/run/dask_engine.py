@@ -43,6 +43,10 @@ STALL_S = 600.0
 """Without any answer for so long, and twice the limit of a call, nobody is at work; a scheduler gives up a silent worker after 300 s."""
 
 
+LOST_IN_A_ROW = 100
+"""So many tasks that are nobody's fault, with no answer between them, are a cluster that does not work."""
+
+
 class EngineLostError(EngineError):
     """The engine was lost while it worked; what it answered is kept, and the rest can be done later."""
 
@@ -73,7 +77,7 @@ class DaskEngine:
         """Call ``fn``, which the workers must be able to import, on each item."""
         logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what is lost is told here, in a sentence
         todo = Todo(enumerate(items))
-        suspects: dict[int, int] = {}
+        suspects: set[int] = set()
         with contextlib.ExitStack() as stack:
             where = self._where(stack)
             client = _connected(where, PATIENCE_S)
@@ -134,12 +138,13 @@ class _Shift:
     client: Any
     fn: Callable[[Any], Any]
     todo: Todo
-    suspects: dict[int, int]
-    """Calls whose task was lost with its Dask worker, and how often: they go out alone."""
+    suspects: set[int]
+    """Calls whose task was lost with its Dask worker: they go out alone."""
     given: dict[str, tuple[Any, list[Numbered]]] = field(default_factory=dict)
     ended: queue.SimpleQueue[Any] = field(default_factory=queue.SimpleQueue)
     pace_s: float = 0.1
     """Of a call, so far as is known."""
+    lost_in_a_row: int = 0
 
     def work_off(self) -> Iterator[Numbered]:
         """Yield the result of each call, until there is none left."""
@@ -189,38 +194,39 @@ class _Shift:
         except Exception as lost:  # whatever Dask raises for a task that is lost
             problem = lost
         _, calls = self.given.pop(future.key)
-        try:
-            if work is None:
-                _check_alive(self.client)  # a task that went with the scheduler is nobody's fault
-        except _SchedulerLostError:
-            self.todo.give_back(calls)
-            raise
         if work is None:
-            yield from self._blame(calls, problem)
+            yield from self._lost(calls, future, problem)
             return
         if work.refusal:
             raise EngineError("the Dask workers differ from this installation:\n" + "\n".join(f"  {line}" for line in work.refusal[:10]))
+        self.lost_in_a_row = 0
         answered = {number for number, _ in work.answers}
         self.todo.give_back(call for call in calls if call[0] not in answered)
         if answered:
             self.pace_s += 0.3 * (max(work.took_s / len(answered), 1e-4) - self.pace_s)
         yield from work.answers
 
-    def _blame(self, calls: list[Numbered], problem: BaseException | None) -> Iterator[Numbered]:
-        """The Dask worker of this task died, as often as the scheduler allows: the calls go out alone, and then once more at most."""
-        from distributed import KilledWorker
+    def _lost(self, calls: list[Numbered], future: Any, problem: BaseException | None) -> Iterator[Numbered]:
+        """Of a task without an answer.
 
-        again = []
-        for number, item in calls:
-            if isinstance(problem, KilledWorker) or self.suspects.get(number, 0):
-                self.suspects[number] = self.suspects.get(number, 0) + 1
-            else:
-                self.suspects.setdefault(number, 0)
-            if self.suspects[number] >= 2 and len(calls) == 1:
-                yield number, Died(f"its Dask worker died on it, twice ({type(problem).__name__}: {problem})")
-            else:
-                again.append((number, item))
-        self.todo.give_back(again)
+        It is nobody's fault if it went with the scheduler or on the way here. If its workers died, as often as the scheduler allows, or
+        Dask could not do it, the calls go out alone, and the one that is lost again so is not tried any more.
+        """
+        blamed = future.status == "error"
+        try:
+            _workers(self.client)
+        except _SchedulerLostError:
+            self.todo.give_back(calls)
+            raise
+        if blamed and len(calls) == 1 and calls[0][0] in self.suspects:
+            yield calls[0][0], Died(f"its Dask worker died on it, twice ({type(problem).__name__}: {problem})")
+            return
+        self.lost_in_a_row += not blamed
+        if self.lost_in_a_row > LOST_IN_A_ROW:
+            raise EngineLostError(f"{LOST_IN_A_ROW} tasks in a row were lost on their way; the last one: {type(problem).__name__}: {problem}")
+        if blamed:
+            self.suspects.update(number for number, _ in calls)
+        self.todo.give_back(calls)
 
 
 class _Census:
@@ -228,7 +234,7 @@ class _Census:
 
     def __init__(self, client: Any):
         self._client = client
-        self._workers: dict[str, Any] = _identity(client)
+        self._workers: dict[str, Any] = _workers(client)
         self._looked = self._peopled = time.monotonic()
         self._told = 0.0
         self._heard: dict[str, tuple[float, float]] = {}
@@ -245,7 +251,7 @@ class _Census:
         now = time.monotonic()
         if now - self._looked < min(CENSUS_S, PATIENCE_S / 3):
             return
-        self._workers = _identity(self._client)
+        self._workers = _workers(self._client)
         self._looked = now = time.monotonic()
         if self._workers:
             if self._told:
@@ -296,7 +302,7 @@ def _close(client: Any) -> None:
     closer.join(timeout=5)
 
 
-def _identity(client: Any) -> dict[str, Any]:
+def _workers(client: Any) -> dict[str, Any]:
     """The workers, as the scheduler says now. Raises ``_SchedulerLostError``."""
     if client.status != "running":
         raise _SchedulerLostError("is gone")
@@ -306,10 +312,6 @@ def _identity(client: Any) -> dict[str, Any]:
         raise _SchedulerLostError(f"has not answered for {PATIENCE_S:g} s") from None
     except Exception:  # a connection that closes shows itself in many ways
         raise _SchedulerLostError("is gone") from None
-
-
-def _check_alive(client: Any) -> None:
-    _identity(client)
 
 
 def _say(text: str) -> None:

@@ -44,12 +44,14 @@ class Wire:
             self._out.clear()
 
     def receive(self) -> list[bytes]:
-        """The messages that are there whole. Raises ``EOFError`` after the last one, ``NoMessageError`` for rubbish."""
+        """The messages that are there whole. Once they are taken, raises ``NoMessageError`` for rubbish, ``EOFError`` at the end."""
         ended = self._fill()
         messages = []
         while (message := self._first()) is not None:
             messages.append(message)
-        if ended and not messages:
+        if not messages and self._is_rubbish():
+            raise NoMessageError
+        if not messages and ended:
             raise EOFError
         return messages
 
@@ -69,17 +71,21 @@ class Wire:
         return False
 
     def _first(self) -> bytes | None:
-        if len(self._in) < LENGTH.size:
+        if len(self._in) < LENGTH.size or self._is_rubbish():
             return None
-        (length,) = LENGTH.unpack_from(self._in)
-        if length > MOST_BYTES:
-            raise NoMessageError
-        end = LENGTH.size + length
+        end = LENGTH.size + self._length()
         if len(self._in) < end:
             return None
         message = bytes(self._in[LENGTH.size : end])
         del self._in[:end]
         return message
+
+    def _is_rubbish(self) -> bool:
+        return len(self._in) >= LENGTH.size and self._length() > MOST_BYTES
+
+    def _length(self) -> int:
+        (length,) = LENGTH.unpack_from(self._in)
+        return int(length)
 
     def close(self) -> None:
         self.line.close()

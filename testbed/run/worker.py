@@ -55,7 +55,7 @@ def attempt(fn: Callable[[Item], Result], item: Item) -> Result | Died:
     """``fn(item)``; an exception is a ``Died``."""
     try:
         return fn(item)
-    except (Exception, SystemExit) as bug:
+    except Exception as bug:
         return _died_of(bug)
 
 
@@ -110,7 +110,7 @@ def _answer(fn: Callable[[Any], Any], item: Any) -> bytes:
     """The pickled result; one that cannot be pickled, or is too large to send, is a ``Died``."""
     try:
         answer = pickle.dumps(attempt(fn, item))
-    except Exception as bug:
+    except BaseException as bug:  # there is no Ctrl-C here, and nobody above to hear of it
         return pickle.dumps(_died_of(bug))
     if len(answer) + ANSWER.size > MOST_BYTES:
         return pickle.dumps(Died(f"its result has {len(answer) / 2**20:.0f} MB; at most {MOST_BYTES / 2**20:.0f} MB can be sent"))

@@ -95,7 +95,7 @@ def test_a_killed_worker_of_a_cluster_costs_nothing(cluster):
 @needs_dask
 def test_workers_with_other_versions_are_refused(cluster, monkeypatch):
     ours = identity.versions()
-    monkeypatch.setattr(dask_engine.identity, "versions", lambda: ours | {"numpy": "0.1"})
+    monkeypatch.setattr(identity, "versions", lambda: ours | {"numpy": "0.1"})
     with pytest.raises(EngineError, match=r'versions\.numpy: ".*" there, "0\.1" now'):
         results(DaskEngine(0, cluster[0]), fakes.square, [1])
 
