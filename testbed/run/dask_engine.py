@@ -8,7 +8,7 @@ import contextlib
 import importlib.util
 import itertools
 import logging
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,12 +42,12 @@ class DaskEngine:
     def workers(self) -> int | None:
         return None if self.scheduler else self.size
 
-    def imap(self, fn: Callable[[Item], Result], items: Sequence[Item]) -> Generator[tuple[int, Result | Died], None, None]:
+    def imap(self, fn: Callable[[Item], Result], items: Iterable[Item]) -> Generator[tuple[int, Result | Died], None, None]:
         """Call ``fn``, which the workers must be able to import, on each item."""
         with self._client() as client:
             _check_workers(client)
             suspects: list[Numbered] = []
-            for numbered, answers in self._drain(client, fn, list(enumerate(items))):
+            for numbered, answers in self._drain(client, fn, enumerate(items)):
                 if answers is None:
                     suspects += numbered
                 else:
@@ -57,11 +57,11 @@ class DaskEngine:
                 problem = future.exception() if not future.cancelled() else None
                 yield future.result()[0] if future.status == "finished" else (suspect[0], Died(f"its worker died, twice ({problem!r})"))
 
-    def _drain(self, client: Any, fn: Callable, items: list[Numbered]) -> Iterator[tuple[list[Numbered], list[Numbered] | None]]:
+    def _drain(self, client: Any, fn: Callable, items: Iterator[Numbered]) -> Iterator[tuple[list[Numbered], list[Numbered] | None]]:
         """Yield (items, their answers, or None if the task was lost) for each task as it ends."""
         from distributed import as_completed
 
-        tasks = iter([items[start : start + self.chunk] for start in range(0, len(items), self.chunk)])
+        tasks = iter(lambda: list(itertools.islice(items, self.chunk)), [])  # pulled as they are handed out
         given: dict[str, list[Numbered]] = {}
         running = as_completed(loop=client.loop)
 

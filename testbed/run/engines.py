@@ -1,10 +1,13 @@
 """Spread independent calls over processes. One interface: ``imap(fn, items)`` yields ``(number of the item, result or Died)``.
 
+Items are pulled from their iterable as workers get free, and let go when they are answered: there may be more than memory holds.
+
 The pool is our own because those of the standard library give up on every outstanding call when one worker dies, and cannot
 say which call killed it. Here each worker has a pipe of its own and answers in order, so the oldest unanswered call is the suspect.
 """
 
 import contextlib
+import itertools
 import multiprocessing
 import os
 import pickle
@@ -13,7 +16,7 @@ import sys
 import threading
 import traceback
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, field
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
@@ -59,7 +62,7 @@ class Engine(Protocol):
         """How many; None if somebody else decides."""
         ...
 
-    def imap(self, fn: Callable[[Item], Result], items: Sequence[Item]) -> Generator[tuple[int, Result | Died], None, None]:
+    def imap(self, fn: Callable[[Item], Result], items: Iterable[Item]) -> Generator[tuple[int, Result | Died], None, None]:
         """Call ``fn`` on each item; results come as they are ready."""
         ...
 
@@ -72,16 +75,16 @@ class LocalEngine:
     calls_per_worker: int = CALLS_PER_WORKER
     name: str = "local"
 
-    def imap(self, fn: Callable[[Item], Result], items: Sequence[Item]) -> Generator[tuple[int, Result | Died], None, None]:
+    def imap(self, fn: Callable[[Item], Result], items: Iterable[Item]) -> Generator[tuple[int, Result | Died], None, None]:
         """Call ``fn``, which a spawned process must be able to import, on each item."""
         suspects: list[Numbered] = []
-        for number, result in _Crew(fn, self.workers, self.calls_per_worker).work_off(deque(enumerate(items))):
+        for number, result in _Crew(fn, self.workers, self.calls_per_worker).work_off(_Queue(enumerate(items), self.workers + 1)):
             if isinstance(result, _Lost):
-                suspects.append((number, items[number]))
+                suspects.append((number, result.item))
             else:
                 yield number, result
         for suspect in suspects:  # alone, so that nobody else's memory or bug can be to blame
-            for number, result in _Crew(fn, 1, 1).work_off(deque([suspect])):
+            for number, result in _Crew(fn, 1, 1).work_off(_Queue(iter([suspect]), 1)):
                 yield number, Died(f"the worker process {result.how}, twice") if isinstance(result, _Lost) else result
 
 
@@ -90,6 +93,29 @@ class _Lost:
     """The worker died on this call."""
 
     how: str
+    item: Any
+
+
+@dataclass
+class _Queue:
+    """Calls that are still to be given out. Only the next few are pulled from their source."""
+
+    source: Iterator[Numbered]
+    near: int
+    """So many are seen before they are needed: more tell nobody anything."""
+    pulled: deque[Numbered] = field(default_factory=deque)
+
+    def __len__(self) -> int:
+        """How many are left, or ``near`` if there are at least so many."""
+        self.pulled.extend(itertools.islice(self.source, max(0, self.near - len(self.pulled))))
+        return min(len(self.pulled), self.near)
+
+    def next(self) -> Numbered:
+        len(self)  # pulls
+        return self.pulled.popleft()
+
+    def put_back(self, calls: list[Numbered]) -> None:
+        self.pulled.extendleft(reversed(calls))
 
 
 @dataclass
@@ -113,7 +139,7 @@ class _Crew:
     hands: list[_Hand] = field(default_factory=list)
     failed_starts: int = 0
 
-    def work_off(self, todo: deque[Numbered]) -> Iterator[tuple[int, Any]]:
+    def work_off(self, todo: _Queue) -> Iterator[tuple[int, Any]]:
         """Yield the result, or ``_Lost``, of each call, until the queue is empty."""
         try:
             while todo or any(hand.outstanding for hand in self.hands):
@@ -128,15 +154,15 @@ class _Crew:
             for hand in list(self.hands):
                 self._dismiss(hand)
 
-    def _feed(self, hand: _Hand, todo: deque[Numbered]) -> None:
+    def _feed(self, hand: _Hand, todo: _Queue) -> None:
         """Keep a worker busy, but near the end of the queue leave the calls to whoever is free first."""
         while todo and len(hand.outstanding) < (AHEAD if len(todo) > self.size else 1) and hand.given < self.calls_per_worker:
-            hand.outstanding.append(todo.popleft())
+            hand.outstanding.append(todo.next())
             hand.given += 1
             with contextlib.suppress(OSError):  # it is dead; the end of its pipe will tell
                 hand.pipe.send(hand.outstanding[-1])
 
-    def _hear(self, hand: _Hand, todo: deque[Numbered]) -> Iterator[tuple[int, Any]]:
+    def _hear(self, hand: _Hand, todo: _Queue) -> Iterator[tuple[int, Any]]:
         """Take one message of a worker, or notice its end."""
         try:
             message = hand.pipe.recv()
@@ -151,19 +177,20 @@ class _Crew:
             self._dismiss(hand)
         yield message
 
-    def _bury(self, hand: _Hand, todo: deque[Numbered]) -> Iterator[tuple[int, Any]]:
+    def _bury(self, hand: _Hand, todo: _Queue) -> Iterator[tuple[int, Any]]:
         """The oldest call of a dead worker is lost; the others go back to the front of the queue."""
         hand.process.join(timeout=5)  # its pipe is closed, so it is on its way out: let it say how
         self._dismiss(hand)
         how = _how_it_ended(hand.process)
         lost = 1 if hand.ready else 0
-        todo.extendleft(reversed(list(hand.outstanding)[lost:]))
+        todo.put_back(list(hand.outstanding)[lost:])
         if not hand.ready:
             self.failed_starts += 1
             if self.failed_starts >= FAILED_STARTS:
                 raise EngineError(f"{FAILED_STARTS} worker processes in a row ended before they could start; the last one {how}")
         elif hand.outstanding:
-            yield hand.outstanding[0][0], _Lost(how)
+            number, item = hand.outstanding[0]
+            yield number, _Lost(how, item)
 
     def _dismiss(self, hand: _Hand) -> None:
         """End a worker, whatever it is doing. What it has not answered is not wanted of it any more."""
