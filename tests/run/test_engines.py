@@ -45,6 +45,16 @@ def test_every_item_is_answered(workers):
     assert results(LocalEngine(workers), fakes.square, list(range(40))) == [x * x for x in range(40)]
 
 
+def test_items_are_pulled_as_workers_get_free_and_not_all_at_once():
+    pulled, ahead = [], []
+    items = (pulled.append(k) or k for k in range(60))
+    for count, (number, result) in enumerate(LocalEngine(2).imap(fakes.dies_on_3, items), 1):
+        ahead.append(len(pulled) - count)
+        assert isinstance(result, Died) if number == 3 else result == number
+    assert len(ahead) == 60
+    assert max(ahead) <= 8  # two workers with two calls each, three that are seen coming, and the one that is to be tried again
+
+
 def test_no_items_need_no_worker():
     assert results(LocalEngine(2), fakes.square, []) == []
 
