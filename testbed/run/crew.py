@@ -53,6 +53,10 @@ class EngineError(Exception):
     """The engine cannot do any work; str() says why."""
 
 
+class EngineLostError(EngineError):
+    """The engine was lost while it worked; what it answered is kept, and the rest can be done later."""
+
+
 @dataclass(frozen=True)
 class Lost:
     """The worker died on this call, or had to be ended."""

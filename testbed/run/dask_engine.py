@@ -4,6 +4,7 @@ With a scheduler's address, workers started with ``dask worker ADDRESS --nthread
 does. Workers need the same code and versions, and the folder of the recordings on a disk they share. docs/clusters.md has recipes.
 """
 
+import asyncio
 import contextlib
 import importlib.util
 import logging
@@ -17,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from testbed.run import dask_worker
-from testbed.run.crew import Todo
+from testbed.run.crew import Todo, environment_of_workers
 from testbed.run.dask_worker import Work
-from testbed.run.engines import WALL_LIMIT_S, Died, EngineError, Item, Numbered, Result, environment_of_workers
+from testbed.run.engines import WALL_LIMIT_S, Died, EngineError, EngineLostError, Item, Numbered, Result
 
 CHUNK = 64
 """The most flights in a task."""
@@ -45,10 +46,6 @@ STALL_S = 600.0
 
 LOST_IN_A_ROW = 100
 """So many tasks that are nobody's fault, with no answer between them, are a cluster that does not work."""
-
-
-class EngineLostError(EngineError):
-    """The engine was lost while it worked; what it answered is kept, and the rest can be done later."""
 
 
 class _SchedulerLostError(Exception):
@@ -82,7 +79,6 @@ class DaskEngine:
             where = self._where(stack)
             client = _connected(where, PATIENCE_S)
             try:
-                _check_workers(client)
                 while True:
                     shift = _Shift(self, client, fn, todo, suspects)
                     try:
@@ -209,21 +205,26 @@ class _Shift:
     def _lost(self, calls: list[Numbered], future: Any, problem: BaseException | None) -> Iterator[Numbered]:
         """Of a task without an answer.
 
-        It is nobody's fault if it went with the scheduler or on the way here. If its workers died, as often as the scheduler allows, or
-        Dask could not do it, the calls go out alone, and the one that is lost again so is not tried any more.
+        It is nobody's fault if it went with the scheduler or on the way here. If its workers died, as often as the scheduler allows, the
+        calls go out alone, and the one that is lost again so is not tried any more.
         """
+        from distributed import KilledWorker
+
         blamed = future.status == "error"
         try:
             _workers(self.client)
         except _SchedulerLostError:
             self.todo.give_back(calls)
             raise
+        said = f"{type(problem).__name__}: {problem}"
+        if blamed and not isinstance(problem, KilledWorker):  # what a flight raises is an answer; this is raised before it
+            raise EngineError(f"the Dask workers cannot run this project: {said}")
         if blamed and len(calls) == 1 and calls[0][0] in self.suspects:
-            yield calls[0][0], Died(f"its Dask worker died on it, twice ({type(problem).__name__}: {problem})")
+            yield calls[0][0], Died(f"its Dask worker died on it, twice ({said})")
             return
         self.lost_in_a_row += not blamed
         if self.lost_in_a_row > LOST_IN_A_ROW:
-            raise EngineLostError(f"{LOST_IN_A_ROW} tasks in a row were lost on their way; the last one: {type(problem).__name__}: {problem}")
+            raise EngineLostError(f"{LOST_IN_A_ROW} Dask tasks in a row were lost on their way; the last one: {said}")
         if blamed:
             self.suspects.update(number for number, _ in calls)
         self.todo.give_back(calls)
@@ -303,32 +304,24 @@ def _close(client: Any) -> None:
 
 
 def _workers(client: Any) -> dict[str, Any]:
-    """The workers, as the scheduler says now. Raises ``_SchedulerLostError``."""
-    if client.status != "running":
-        raise _SchedulerLostError("is gone")
-    try:
-        return client.sync(client.scheduler.identity, n_workers=-1, callback_timeout=PATIENCE_S)["workers"]
-    except TimeoutError:
-        raise _SchedulerLostError(f"has not answered for {PATIENCE_S:g} s") from None
-    except Exception:  # a connection that closes shows itself in many ways
-        raise _SchedulerLostError("is gone") from None
+    """Who works, as the scheduler says now. Raises ``_SchedulerLostError``."""
+
+    async def ask() -> Any:
+        return await client.scheduler.identity(n_workers=-1)
+
+    asked = asyncio.run_coroutine_threadsafe(ask(), client.loop.asyncio_loop)
+    end = time.monotonic() + PATIENCE_S
+    while client.status == "running" and time.monotonic() < end:  # it can be lost while it is asked
+        try:
+            return dict(asked.result(timeout=0.5)["workers"])
+        except TimeoutError:
+            continue
+        except Exception:  # a connection that closes shows itself in many ways
+            break
+    asked.cancel()
+    raise _SchedulerLostError(f"has not answered for {PATIENCE_S:g} s" if time.monotonic() >= end else "is gone")
 
 
 def _say(text: str) -> None:
     with contextlib.suppress(OSError, ValueError, AttributeError):  # a stderr that is closed
         print(text, file=sys.stderr, flush=True)
-
-
-def _check_workers(client: Any) -> None:
-    """Refuse workers that would fly something else, or several flights in one process."""
-    try:
-        theirs = client.run(dask_worker.fingerprint)
-    except Exception as problem:  # whatever a worker raises when it cannot import us
-        raise EngineError(f"the Dask workers cannot run this project: {type(problem).__name__}: {problem}") from None
-    ours = dask_worker.fingerprint()
-    wrong = [f"  {worker}: {line}" for worker, its in theirs.items() for line in dask_worker.refusals(its, ours)]
-    wrong += [
-        f"  {worker}: runs {threads} threads; start it with --nthreads 1" for worker, threads in client.nthreads().items() if threads > 1
-    ]
-    if wrong:
-        raise EngineError("the Dask workers differ from this installation:\n" + "\n".join(wrong[:10]))

@@ -33,7 +33,7 @@ class Work:
 
 def call_all(fn: Callable[[Any], Any], calls: list[Numbered], wall_limit_s: float, wanted: dict[str, Any]) -> Work:
     """Answer these calls, or the first of them. ``wanted``: the driver's ``fingerprint``, for this worker may have come late."""
-    wrong = refusals(_own_fingerprint(), wanted)
+    wrong = _refusals(wanted)
     if wrong:
         return Work([], refusal=tuple(wrong))
     start = time.monotonic()
@@ -68,6 +68,12 @@ def _own_fingerprint() -> dict[str, Any]:
     return fingerprint()
 
 
-def refusals(its: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
-    """Why a worker with this fingerprint must not fly."""
-    return identity.differences(its, wanted)
+def _refusals(wanted: dict[str, Any]) -> list[str]:
+    """Why this worker must not fly: something else would come out, or several flights would share what is made for one."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    wrong = identity.differences(_own_fingerprint(), wanted)
+    if worker.state.nthreads > 1:
+        wrong.append(f"runs {worker.state.nthreads} threads; start it with --nthreads 1")
+    return [f"{worker.address}: {line}" for line in wrong]

@@ -7,13 +7,13 @@ the oldest unanswered call is the suspect.
 
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from testbed.run.crew import Crew, EngineError, Lost, Numbered, environment_of_workers, usable_cores
+from testbed.run.crew import Crew, EngineError, EngineLostError, Lost, Numbered, usable_cores
 from testbed.run.worker import Died, Item, Result, attempt
 
-__all__ = ["Died", "Engine", "EngineError", "LocalEngine", "Numbered", "attempt", "environment_of_workers", "usable_cores"]
+__all__ = ["Died", "Engine", "EngineError", "EngineLostError", "LocalEngine", "Numbered", "attempt", "limited", "usable_cores"]
 
 CALLS_PER_WORKER = 20_000
 """A worker is replaced after so many calls, whatever it says of its own growth (worker.py)."""
@@ -51,6 +51,11 @@ class LocalEngine:
         """Call ``fn``, which a spawned process must be able to import, on each item."""
         with _dismissed(Crew(fn, self.workers, self.calls_per_worker, self.wall_limit_s)) as crew:
             yield from answers(crew, enumerate(items))
+
+
+def limited(engine: Engine, wall_limit_s: float) -> Engine:
+    """The engine, with the limit that a campaign sets; one without processes of its own can end nothing and stays as it is."""
+    return replace(engine, wall_limit_s=wall_limit_s) if hasattr(engine, "wall_limit_s") else engine  # type: ignore[type-var]
 
 
 def answers(crew: Crew, calls: Iterable[Numbered]) -> Generator[tuple[int, Any], None, None]:

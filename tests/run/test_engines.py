@@ -10,6 +10,7 @@ import time
 
 import pytest
 
+from testbed.run.crew import MOST_AHEAD
 from testbed.run.engines import Died, EngineError, LocalEngine, usable_cores
 from testbed.run.worker import work
 from tests.run import fakes
@@ -47,12 +48,13 @@ def test_every_item_is_answered(workers):
 
 def test_items_are_pulled_as_workers_get_free_and_not_all_at_once():
     pulled, ahead = [], []
-    items = (pulled.append(k) or k for k in range(60))
+    items = (pulled.append(k) or k for k in range(1000))
     for count, (number, result) in enumerate(LocalEngine(2).imap(fakes.dies_on_3, items), 1):
         ahead.append(len(pulled) - count)
         assert isinstance(result, Died) if number == 3 else result == number
-    assert len(ahead) == 60
-    assert max(ahead) <= 8  # two workers with two calls each, three that are seen coming, and the one that is to be tried again
+    assert len(ahead) == 1000
+    assert max(ahead[:3]) <= 10, "before it is known how small they are"
+    assert max(ahead) <= 2 * 2 * (1 + MOST_AHEAD) + 1, "what two workers hold, as much seen coming, and the one to try again"
 
 
 def test_no_items_need_no_worker():
