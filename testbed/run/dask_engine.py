@@ -107,7 +107,7 @@ class DaskEngine:
                 n_workers=self.size,
                 threads_per_worker=1,
                 host="127.0.0.1",
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",  # none at all would take, or warn of, the usual port
                 silence_logs=logging.CRITICAL,
             )
         return {"address": stack.enter_context(cluster)}
