@@ -3,31 +3,21 @@
 The driver waits for no single worker: its wires never block (wire.py), and every wait has an end.
 """
 
-import contextlib
-import multiprocessing
-import multiprocessing.process
 import os
 import pickle
 import selectors
-import signal
 import socket
-import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import islice
-from multiprocessing import resource_tracker
 from multiprocessing.process import BaseProcess
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
-from testbed.run import worker
+from testbed.run.processes import how_it_ended, keeper, processor_s, start
 from testbed.run.wire import NoMessageError, Wire
-from testbed.run.worker import ANSWER, CALL, LINE_LOST, Died
+from testbed.run.worker import ANSWER, CALL, Died
 
 Numbered = tuple[int, Any]
 
@@ -40,13 +30,13 @@ AHEAD_S, MOST_AHEAD = 0.1, 64
 NAP_S = 0.02
 """Answers to small calls are fetched so seldom: each time the driver wakes costs both it and a worker, and the next calls lie ready."""
 
-START_LIMIT_S = 120.0
+START_LIMIT_S = 300.0
 """A worker that is not ready after so long has failed to start."""
 
-FAILED_STARTS = 3
-"""So many workers in a row that die before they are ready are a broken installation, not bad luck."""
+FAILED_STARTS, KILLED_STARTS = 3, 15
+"""So many workers in a row that die before they are ready are a broken installation, not bad luck; more if somebody kills them."""
 
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_SLOW = f"was not ready after {START_LIMIT_S:g} s"
 
 
 class EngineError(Exception):
@@ -233,18 +223,18 @@ class Crew:
         spent_s = self._clock.now - hand.since
         if not hand.ready:
             if spent_s > START_LIMIT_S:
-                yield from self._end(hand, todo, f"was not ready after {START_LIMIT_S:g} s")
+                yield from self._end(hand, todo, _SLOW)
         elif hand.outstanding:
             if hand.processor[0] != hand.outstanding[0][0]:
-                hand.processor = (hand.outstanding[0][0], _processor_s(hand.process))
+                hand.processor = (hand.outstanding[0][0], processor_s(hand.process))
             if spent_s > self.wall_limit_s:
-                share = _processor_s(hand.process) - hand.processor[1] > 0.5 * self.wall_limit_s
+                share = processor_s(hand.process) - hand.processor[1] > 0.5 * self.wall_limit_s
                 yield from self._end(hand, todo, f"ended after {self.wall_limit_s:g} s of wall-clock time", False, share)
 
     def _bury(self, hand: Hand, todo: Todo) -> Iterator[tuple[int, Any]]:
         """Of a worker whose line is closed."""
         hand.process.join(timeout=1)  # on its way out, as a rule: let it say how
-        yield from self._end(hand, todo, "closed its line to the driver" if hand.process.is_alive() else _how_it_ended(hand.process))
+        yield from self._end(hand, todo, "closed its line to the driver" if hand.process.is_alive() else how_it_ended(hand.process))
 
     def _end(self, hand: Hand, todo: Todo, how: str, in_time: bool = True, had_its_share: bool = False) -> Iterator[tuple[int, Any]]:
         """The oldest call of a worker that is dead, or is ended here, is lost; the others go back to the front of the queue."""
@@ -254,13 +244,13 @@ class Crew:
         todo.give_back(calls[lost:])
         if not hand.ready:
             self._failed_starts += 1
-            if self._failed_starts >= FAILED_STARTS:
+            if self._failed_starts >= (KILLED_STARTS if how.endswith("SIGKILL") else FAILED_STARTS):
                 raise EngineError(self._never_started(how))
         elif calls:
             yield calls[0][0], Lost(calls[0][1], how, in_time, had_its_share)
 
     def _never_started(self, how: str) -> str:
-        said = f"{FAILED_STARTS} worker processes in a row ended before they could start; the last one {how}"
+        said = f"{self._failed_starts} worker processes in a row ended before they could start; the last one {how}"
         return said + '; in a script, what starts them belongs under: if __name__ == "__main__":' * (b"__main__" in self._fn)
 
     def _dismiss(self, hand: Hand) -> None:
@@ -272,65 +262,12 @@ class Crew:
         hand.process.join(timeout=5)  # longer only if the system does not let it go; it ends with it then
 
 
-def usable_cores() -> int:
-    """Cores that this process may use, which can be fewer than the machine has, where the system tells."""
-    if sys.version_info >= (3, 13):
-        return os.process_cpu_count() or 1
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def _hire(fn: bytes, now: float) -> Hand:
     ours, theirs = socket.socketpair()
-    hand = Hand(_keeper(os.getpid()).submit(_start, theirs, fn).result(), Wire(ours), now)
+    hand = Hand(keeper(os.getpid()).submit(start, theirs, fn).result(), Wire(ours), now)
     theirs.close()
     hand.wire.send(fn)
     return hand
-
-
-@cache
-def _keeper(_pid: int) -> ThreadPoolExecutor:
-    """The thread that starts processes and lives as long as this process: to Linux a worker's parent is a thread, and ends with it."""
-    return ThreadPoolExecutor(1, "starts-workers")
-
-
-def _start(line: socket.socket, fn: bytes) -> BaseProcess:
-    process = multiprocessing.get_context("spawn").Process(target=worker.work, args=(line, os.getpid()), daemon=True)
-    with environment_of_workers(), _main_hidden(unless=b"__main__" in fn), _may_have_children():
-        process.start()
-    return process
-
-
-@contextlib.contextmanager
-def _main_hidden(unless: bool) -> Iterator[None]:
-    """A worker would first run the script that started the driver: time lost, and an endless loop where it has no main guard."""
-    main = sys.modules["__main__"]
-    if not unless:
-        sys.modules["__main__"] = ModuleType("__main__")
-    try:
-        yield
-    finally:
-        sys.modules["__main__"] = main
-
-
-@contextlib.contextmanager
-def _may_have_children() -> Iterator[None]:
-    """A Dask worker is the daemon of its nanny, and daemons are not allowed processes of their own; ours end with it."""
-    config: dict[str, Any] = getattr(multiprocessing.process.current_process(), "_config", {})
-    daemon = config.pop("daemon", None)
-    try:
-        yield
-    finally:
-        if daemon is not None:
-            config["daemon"] = daemon
-
-
-def _how_it_ended(process: BaseProcess) -> str:
-    code = process.exitcode or 0
-    if code == LINE_LOST:
-        return "closed its line to the driver"
-    if code >= 0:
-        return f"ended with exit code {code}"
-    return f"was killed by {signal.Signals(-code).name}" if -code in set(signal.Signals) else f"was killed by signal {-code}"
 
 
 def _read(answer: bytes) -> Any:
@@ -338,42 +275,3 @@ def _read(answer: bytes) -> Any:
         return pickle.loads(answer)
     except Exception as bug:
         return Died(f"its result cannot be read: {type(bug).__name__}: {bug}")
-
-
-def _processor_s(process: BaseProcess) -> float:
-    """Processor seconds of a process so far; 0 where the system does not tell."""
-    try:
-        fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    except (OSError, ValueError, IndexError, AttributeError):
-        return 0.0
-
-
-@contextlib.contextmanager
-def environment_of_workers() -> Iterator[None]:
-    """What a process started inside inherits: one thread for linear algebra, and no Ctrl-C (the driver's alone to handle)."""
-    before = {name: os.environ.get(name) for name in _ONE_THREAD}
-    os.environ.update(_ONE_THREAD)
-    try:
-        with _ctrl_c_blocked():
-            yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-@contextlib.contextmanager
-def _ctrl_c_blocked() -> Iterator[None]:
-    """Processes that are started inside begin deaf to Ctrl-C, where a system can block signals; on Windows see ``worker.work``."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    resource_tracker.ensure_running()  # now, because starting it later would unblock Ctrl-C again
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)

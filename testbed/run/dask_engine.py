@@ -4,23 +4,22 @@ With a scheduler's address, workers started with ``dask worker ADDRESS --nthread
 does. Workers need the same code and versions, and the folder of the recordings on a disk they share. docs/clusters.md has recipes.
 """
 
-import asyncio
 import contextlib
 import importlib.util
 import logging
 import queue
-import sys
-import threading
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from testbed.run import dask_worker
-from testbed.run.crew import Todo, environment_of_workers
+from testbed.run import dask_client, dask_worker
+from testbed.run.crew import Todo
+from testbed.run.dask_client import Census, SchedulerLostError, close, connected, say, workers_of
 from testbed.run.dask_worker import Work
 from testbed.run.engines import WALL_LIMIT_S, Died, EngineError, EngineLostError, Item, Numbered, Result
+from testbed.run.processes import environment_of_workers
 
 CHUNK = 64
 """The most flights in a task."""
@@ -31,14 +30,8 @@ CHUNK_S = 0.5
 TASKS_AHEAD = 3
 """Tasks handed out for each worker."""
 
-PATIENCE_S = 30.0
-"""So long the scheduler may take to answer; and no workers, or silence of one, is told after so long."""
-
 RECONNECT_S = 60.0
 """So long a scheduler that is lost, or another at its address or in its file, may take to come."""
-
-CENSUS_S = 5.0
-"""So often the scheduler is asked who works for it."""
 
 STALL_S = 600.0
 """Without any answer for so long, and twice the limit of a call, nobody is at work; a scheduler gives up a silent worker after 300 s."""
@@ -46,10 +39,6 @@ STALL_S = 600.0
 
 LOST_IN_A_ROW = 100
 """So many tasks that are nobody's fault, with no answer between them, are a cluster that does not work."""
-
-
-class _SchedulerLostError(Exception):
-    """str() says how that shows."""
 
 
 @dataclass(frozen=True)
@@ -77,19 +66,19 @@ class DaskEngine:
         suspects: set[int] = set()
         with contextlib.ExitStack() as stack:
             where = self._where(stack)
-            client = _connected(where, PATIENCE_S)
+            client = connected(where, dask_client.PATIENCE_S)
             try:
                 while True:
                     shift = _Shift(self, client, fn, todo, suspects)
                     try:
                         yield from shift.work_off()
                         return
-                    except _SchedulerLostError as how:
+                    except SchedulerLostError as how:
                         shift.give_all_back()
-                        _close(client)
+                        close(client)
                         client = self._reconnected(where, str(how))
             finally:
-                _close(client)
+                close(client)
 
     def _where(self, stack: contextlib.ExitStack) -> dict[str, Any]:
         """What a client needs to find the scheduler; without one, a cluster of this machine, until the stack is left."""
@@ -115,12 +104,12 @@ class DaskEngine:
     def _reconnected(self, where: dict[str, Any], how: str) -> Any:
         """A client of the scheduler that is back, or of another in its place."""
         place = self.scheduler or "this machine"
-        _say(f"the Dask scheduler at {place} {how}; waiting up to {RECONNECT_S:g} s for it, or for another in its place")
+        say(f"the Dask scheduler at {place} {how}; waiting up to {RECONNECT_S:g} s for it, or for another in its place")
         end = time.monotonic() + RECONNECT_S
         while time.monotonic() < end:
             with contextlib.suppress(EngineError):
-                client = _connected(where, min(5.0, RECONNECT_S), workers=0)
-                _say("a Dask scheduler is there; going on")
+                client = connected(where, min(5.0, RECONNECT_S), workers=0)
+                say("a Dask scheduler is there; going on")
                 return client
             time.sleep(0.5)
         raise EngineLostError(f"the Dask scheduler at {place} {how}, and none came in its place for {RECONNECT_S:g} s")
@@ -145,7 +134,7 @@ class _Shift:
     def work_off(self) -> Iterator[Numbered]:
         """Yield the result of each call, until there is none left."""
         wanted = dask_worker.fingerprint()
-        census = _Census(self.client)
+        census = Census(self.client)
         last_end = time.monotonic()
         while self.todo.ready(1) or self.given:
             while self.todo.ready(1) and len(self.given) < TASKS_AHEAD * max(1, census.count):
@@ -186,7 +175,7 @@ class _Shift:
         work: Work | None = None
         problem: BaseException | None = None
         try:
-            work = future.result(timeout=PATIENCE_S)
+            work = future.result(timeout=dask_client.PATIENCE_S)
         except Exception as lost:  # whatever Dask raises for a task that is lost
             problem = lost
         _, calls = self.given.pop(future.key)
@@ -212,8 +201,8 @@ class _Shift:
 
         blamed = future.status == "error"
         try:
-            _workers(self.client)
-        except _SchedulerLostError:
+            workers_of(self.client)
+        except SchedulerLostError:
             self.todo.give_back(calls)
             raise
         said = f"{type(problem).__name__}: {problem}"
@@ -228,100 +217,3 @@ class _Shift:
         if blamed:
             self.suspects.update(number for number, _ in calls)
         self.todo.give_back(calls)
-
-
-class _Census:
-    """Who works for the scheduler; says so when nobody does, or when one falls silent."""
-
-    def __init__(self, client: Any):
-        self._client = client
-        self._workers: dict[str, Any] = _workers(client)
-        self._looked = self._peopled = time.monotonic()
-        self._told = 0.0
-        self._heard: dict[str, tuple[float, float]] = {}
-        self._silent: set[str] = set()
-
-    @property
-    def count(self) -> int:
-        return len(self._workers)
-
-    def look(self) -> None:
-        """Ask, if it is time to. Raises ``_SchedulerLostError``."""
-        if self._client.status != "running":
-            raise _SchedulerLostError("is gone")
-        now = time.monotonic()
-        if now - self._looked < min(CENSUS_S, PATIENCE_S / 3):
-            return
-        self._workers = _workers(self._client)
-        self._looked = now = time.monotonic()
-        if self._workers:
-            if self._told:
-                _say(f"{self.count} Dask workers are there again")
-            self._peopled, self._told = now, 0.0
-        elif now - self._peopled > max(PATIENCE_S, 2 * self._told):
-            self._told = now - self._peopled
-            _say(f"no Dask workers for {self._told:.0f} s; waiting for some")
-        self._listen(now)
-
-    def _listen(self, now: float) -> None:
-        for address, about in self._workers.items():
-            last, since = self._heard.get(address, (None, now))
-            if about.get("last_seen") != last:
-                self._heard[address] = (about.get("last_seen"), now)
-                self._silent.discard(address)
-            elif now - since > PATIENCE_S and address not in self._silent:
-                self._silent.add(address)
-                _say(f"no word of the Dask worker {address} for {now - since:.0f} s; after a time of its own the scheduler gives it up")
-
-
-def _connected(where: dict[str, Any], patience_s: float, workers: int = 1) -> Any:
-    """A client. Raises ``EngineError`` if there is no scheduler, or too few workers."""
-    from distributed import Client
-
-    client = None
-    try:
-        client = Client(**where, timeout=patience_s, set_as_default=False)
-        if workers:
-            client.wait_for_workers(workers, timeout=patience_s)
-    except (OSError, ValueError, TimeoutError) as problem:
-        if client is not None:
-            _close(client)
-        place = where.get("scheduler_file") or where.get("address")
-        raise EngineError(f"no Dask cluster with workers at {place} within {patience_s:g} s: {problem}") from None
-    return client
-
-
-def _close(client: Any) -> None:
-    """Close it, in a thread of its own, because a client whose scheduler is lost may wait for it."""
-
-    def close() -> None:
-        with contextlib.suppress(Exception):
-            client.close(timeout=2)
-
-    closer = threading.Thread(target=close, daemon=True)
-    closer.start()
-    closer.join(timeout=5)
-
-
-def _workers(client: Any) -> dict[str, Any]:
-    """Who works, as the scheduler says now. Raises ``_SchedulerLostError``."""
-
-    async def ask() -> Any:
-        return await client.scheduler.identity(n_workers=-1)
-
-    asked = asyncio.run_coroutine_threadsafe(ask(), client.loop.asyncio_loop)
-    end = time.monotonic() + PATIENCE_S
-    while client.status == "running" and time.monotonic() < end:  # it can be lost while it is asked
-        try:
-            return dict(asked.result(timeout=0.5)["workers"])
-        except TimeoutError:
-            continue
-        except Exception:  # a connection that closes shows itself in many ways
-            break
-    asked.cancel()
-    raise _SchedulerLostError(f"has not answered for {PATIENCE_S:g} s" if time.monotonic() >= end else "is gone")
-
-
-def _say(text: str) -> None:
-    with contextlib.suppress(OSError, ValueError, AttributeError):  # a stderr that is closed
-        print(text, file=sys.stderr, flush=True)

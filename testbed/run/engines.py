@@ -10,7 +10,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from testbed.run.crew import Crew, EngineError, EngineLostError, Lost, Numbered, usable_cores
+from testbed.run.crew import Crew, EngineError, EngineLostError, Lost, Numbered
+from testbed.run.processes import usable_cores
 from testbed.run.worker import Died, Item, Result, attempt
 
 __all__ = ["Died", "Engine", "EngineError", "EngineLostError", "LocalEngine", "Numbered", "attempt", "limited", "usable_cores"]

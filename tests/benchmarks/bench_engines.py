@@ -1,8 +1,9 @@
 """What two workers make of two cores, and what Dask costs: ``python tests/benchmarks/bench_engines.py [--rounds N]``, not a test.
 
-The encounter of campaigns/smoke.yaml, many times, goes through an engine and into a journal, as in a run. Each round measures one worker, two workers, and two Dask workers in processes of their own with a scheduler
-(all on loopback), one after the other; the ratios are of a round, and their medians are told. A rate counts from the first tenth of the
-answers to the last one, so that starting the workers is left out.
+The encounter of campaigns/smoke.yaml, many times, goes through an engine and into a journal, as in a run. Each round measures one
+worker, two workers, and two Dask workers in processes of their own with a scheduler (all on loopback), one after the other; the ratios
+are of a round, and their medians are told. A rate counts from the first tenth of the answers to the last one, so that starting the
+workers is left out.
 
 Efficiency: rate of two workers over twice the rate of one. On two cores the driver has no core of its own, so what it does for a flight
 is lost to one of the workers: that is told too, in processor seconds of the driver, which another load of the machine changes little.

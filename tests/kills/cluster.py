@@ -41,16 +41,11 @@ class Cluster:
         self.workers[0].send_signal(signal.SIGSTOP)
 
     def kill_workers(self) -> None:
-        for worker in self.workers:
-            worker.kill()
+        _kill(self.workers)
 
     def kill(self) -> None:
         """All of it."""
-        processes = [*self.workers, *([self._scheduler] if self._scheduler else [])]
-        for process in processes:
-            process.kill()
-        for process in processes:
-            process.wait()
+        _kill([*self.workers, *([self._scheduler] if self._scheduler else [])])
 
     def _started(self, what: str, *options: str) -> subprocess.Popen:
         command = [sys.executable, "-W", "ignore", "-m", f"distributed.cli.{what}", "--scheduler-file", self.file]
@@ -63,3 +58,10 @@ class Cluster:
                 cwd=self._folder,
                 env=self._environment,
             )
+
+
+def _kill(processes: list[subprocess.Popen]) -> None:
+    for process in processes:
+        process.kill()
+    for process in processes:
+        process.wait()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from testbed.run import dask_engine, identity
+from testbed.run import dask_client, dask_engine, identity
 from testbed.run.dask_engine import DaskEngine
 from testbed.run.engines import Died, EngineError, EngineLostError
 from tests.kills.cluster import Cluster
@@ -108,14 +108,14 @@ def test_another_scheduler_in_the_place_of_a_lost_one_is_found_and_all_is_answer
 @pytest.mark.parametrize("how", ["kill", "stop"])
 def test_a_scheduler_that_is_lost_for_good_ends_the_run_with_what_is_kept(tmp_path, monkeypatch, capfd, how):
     monkeypatch.setattr(dask_engine, "RECONNECT_S", 1.0)
-    monkeypatch.setattr(dask_engine, "PATIENCE_S", 20.0)
+    monkeypatch.setattr(dask_client, "PATIENCE_S", 20.0)
     with started_cluster(tmp_path, ROOT) as cluster:
         out, calls = {}, DaskEngine(0, cluster.file, chunk=2).imap(fakes.slow_square, list(range(400)))
 
         def answer(number, result):
             out[number] = result
             if len(out) == 10:
-                monkeypatch.setattr(dask_engine, "PATIENCE_S", 2.0)
+                monkeypatch.setattr(dask_client, "PATIENCE_S", 2.0)
                 cluster.end_scheduler(how)
 
         with pytest.raises(EngineLostError, match="none came in its place for 1 s"):
@@ -126,13 +126,13 @@ def test_a_scheduler_that_is_lost_for_good_ends_the_run_with_what_is_kept(tmp_pa
 
 @needs_dask
 def test_that_there_are_no_workers_is_said_and_new_ones_are_welcome(tmp_path, monkeypatch, capfd):
-    monkeypatch.setattr(dask_engine, "CENSUS_S", 0.2)
+    monkeypatch.setattr(dask_client, "CENSUS_S", 0.2)
     with started_cluster(tmp_path, ROOT) as cluster:
         out, calls = {}, DaskEngine(0, cluster.file, chunk=2).imap(fakes.slow_square, list(range(60)))
         for number, result in calls:
             out[number] = result
             if len(out) == 10:
-                monkeypatch.setattr(dask_engine, "PATIENCE_S", 1.0)
+                monkeypatch.setattr(dask_client, "PATIENCE_S", 1.0)
                 cluster.kill_workers()
                 threading.Timer(6.0, cluster.start_workers).start()
         assert out == {x: x * x for x in range(60)}
@@ -143,13 +143,13 @@ def test_that_there_are_no_workers_is_said_and_new_ones_are_welcome(tmp_path, mo
 
 @needs_dask
 def test_a_dask_worker_that_is_stopped_is_told_and_its_flights_are_flown_by_others(tmp_path, monkeypatch, capfd):
-    monkeypatch.setattr(dask_engine, "CENSUS_S", 0.5)
+    monkeypatch.setattr(dask_client, "CENSUS_S", 0.5)
     with started_cluster(tmp_path, ROOT) as cluster:
         out, calls = {}, DaskEngine(0, cluster.file, chunk=2).imap(fakes.slow_square, list(range(60)))
         for number, result in calls:
             out[number] = result
             if len(out) == 10:
-                monkeypatch.setattr(dask_engine, "PATIENCE_S", 3.0)
+                monkeypatch.setattr(dask_client, "PATIENCE_S", 3.0)
                 cluster.stop_a_worker()
     assert out == {x: x * x for x in range(60)}
     assert "no word of the Dask worker tcp://127.0.0.1" in capfd.readouterr().err
@@ -157,6 +157,6 @@ def test_a_dask_worker_that_is_stopped_is_told_and_its_flights_are_flown_by_othe
 
 @needs_dask
 def test_a_scheduler_that_does_not_answer_is_bad_input(monkeypatch):
-    monkeypatch.setattr(dask_engine, "PATIENCE_S", 1)
+    monkeypatch.setattr(dask_client, "PATIENCE_S", 1)
     with pytest.raises(EngineError, match="no Dask cluster with workers at"):
         results(DaskEngine(0, "tcp://127.0.0.1:9"), fakes.square, [1])
