@@ -94,7 +94,7 @@ class Hand:
     """Number of the call, and processor seconds of the process near its beginning."""
 
 
-class _Clock:
+class Clock:
     """Seconds in which the driver was awake: one that was stopped for an hour has no worker to blame for it."""
 
     def __init__(self) -> None:
@@ -116,7 +116,7 @@ class Crew:
         self._hands: list[Hand] = []
         self._failed_starts = 0
         self._pace_s = BEAT_S  # of a call, so far as is known
-        self._clock = _Clock()
+        self._clock = Clock()
         self._beat = 0.0
 
     def work_off(self, calls: Iterable[Numbered]) -> Iterator[tuple[int, Any]]:

@@ -45,7 +45,8 @@ STABLE = ("results.csv", "results.parquet", "index.html")
 DRIVER = "import testbed.run.dask_engine as e; e.RECONNECT_S = {reconnect_s}; from testbed.cli import main; main()"
 MARK = "KILLS_MARK"
 GONE_S = 5.0
-HANG_S = 240.0
+HANG_S = 900.0
+"""Also on a machine that has other things to do."""
 INTERRUPTED, BAD_INPUT, CRASHED = 130, 2, 1
 
 
@@ -277,12 +278,13 @@ def _told(told: Count, what: str) -> Iterator[None]:
     except FaultError as fault:
         told.faults.append(f"{what}: {fault}")
         print(f"FAULT {told.faults[-1]}", flush=True)
+    print(f"  {what}: {told}", flush=True)
 
 
 KINDS: dict[str, tuple[Callable[[Study, int, random.Random], Count], int]] = {
     "drivers": (kill_drivers, 10),
-    "workers": (kill_workers, 200),
-    "schedulers": (kill_schedulers, 100),
+    "workers": (kill_workers, 50),
+    "schedulers": (kill_schedulers, 25),
 }
 """What is killed, and replicates of the campaign: a run must last long enough to be hit."""
 

@@ -5,6 +5,7 @@ import json
 import math
 import os
 import signal
+import threading
 import time
 
 
@@ -138,3 +139,10 @@ def ignores_ctrl_c(_item):
 
 def deaf_to_ctrl_c(_):
     return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def leaves_threads(count):
+    """As a recording does: they stay, with what they hold."""
+    for _ in range(count):
+        threading.Thread(target=time.sleep, args=(600,), daemon=True).start()
+    return os.getpid()
