@@ -46,7 +46,7 @@ def jobs(plant: str, count: int) -> Iterator[Job]:
 
 def rate(engine: Engine, plant: str, count: int, folder: Path) -> Rate:
     """Fly them, and write the journal."""
-    warm = count // 10
+    warm = max(1, count // 10)
     with journal.appending(folder / f"{time.monotonic_ns()}.jsonl") as rows:
         start, busy = 0.0, 0.0
         for done, (_, result) in enumerate(engine.imap(run_job, jobs(plant, count)), 1):
