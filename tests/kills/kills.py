@@ -3,6 +3,7 @@
 A run that is killed and continued must end with the bytes of one that was left alone, leave no process behind and never hang. The
 campaign is small and kinematic, but flown by the command as a user gives it. Moments are drawn from the seed; what a machine does
 at such a moment is its own affair, so a failure is told with the number of the kill, and the run directory is kept.
+Commit nothing meanwhile: a page says of what commit its run is.
 
     python -m tests.kills.kills --drivers 100 --workers 50 --schedulers 20 --seed 1
 """
