@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time aircraft-table test fast wheel wheel-test bench report docs lock clean
+.PHONY: help paper paper-full verify lead-time aircraft-table test fast kills wheel wheel-test bench report docs lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -57,6 +57,10 @@ test: $(STAMP) ## style, types, import order, all tests
 
 fast: $(STAMP) ## the tests that take no longer than a second
 	$(BIN)/pytest -n auto -m "not slow and not browser and not viewer"
+
+SEED := 1
+kills: $(STAMP) ## kill 100 drivers, 50 workers and 20 Dask schedulers, continue, and compare bytes (SEED=1); half an hour
+	$(BIN)/python -m tests.kills.kills --drivers 100 --workers 50 --schedulers 20 --seed $(SEED)
 
 wheel: $(STAMP) ## build the wheel into dist/
 	$(BIN)/python -m hatchling build -t wheel

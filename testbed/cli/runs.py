@@ -35,7 +35,7 @@ def run(
 
     with bad_input(), aircraft_beside(file.parent):
         from testbed.run import progress, runner
-        from testbed.run.engines import usable_cores
+        from testbed.run.engines import EngineLostError, usable_cores
 
         overrides = tuple(override or ())
         try:
@@ -50,9 +50,9 @@ def run(
                     progress=show,
                 )
                 summary = runner.run(order)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, EngineLostError) as why:
             resume = _without_fresh(sys.argv[1:])
-            fail(f"interrupted; what was flown is kept. To go on:\n  testbed {shlex.join(resume)}", INTERRUPTED)
+            fail(f"{str(why) or 'interrupted'}; what was flown is kept. To go on:\n  testbed {shlex.join(resume)}", INTERRUPTED)
     _summarise(summary)
 
 

@@ -1,6 +1,6 @@
 """The command itself: its options, how it speaks, and how what goes wrong becomes an exit code.
 
-0: all ran. 1: some flight crashed, a check was missed, or a replay differs. 2: bad input. 130: interrupted.
+0: all ran. 1: some flight crashed, a check was missed, or a replay differs. 2: bad input. 130: interrupted, or a cluster was lost.
 """
 
 import contextlib

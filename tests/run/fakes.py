@@ -1,14 +1,12 @@
-"""Calls that spawned workers can import: well-behaved ones, and all the ways to misbehave."""
+"""Calls that spawned workers can import at once, because this file imports nothing heavy: well-behaved ones, and some that misbehave."""
 
 import hashlib
 import json
 import math
 import os
 import signal
+import threading
 import time
-
-from testbed.results.columns import METRICS, Kind
-from testbed.run.job import JobResult
 
 
 def square(x):
@@ -73,6 +71,8 @@ def sleeps(marker_folder_and_x):
 
 def metrics_row(flight_id):
     """A row such as job.py makes, with numbers that depend on the flight."""
+    from testbed.results.columns import METRICS, Kind
+
     n = float(int(hashlib.sha256(flight_id.encode()).hexdigest()[:6], 16))
     numbers = {c.name: {Kind.TEXT: "", Kind.WHOLE: 1, Kind.NUMBER: math.sqrt(n), Kind.FLAG: None}[c.kind] for c in METRICS} | {
         "outcome": "reached",
@@ -93,6 +93,8 @@ def metrics_row(flight_id):
 
 def fly(job):
     """A job that costs nothing and leaves a mark for each flight, if FLOWN names a file."""
+    from testbed.run.job import JobResult
+
     if "FLOWN" in os.environ:
         with open(os.environ["FLOWN"], "a") as marks:
             marks.write(job.plan.flight_id + "\n")
@@ -137,3 +139,10 @@ def ignores_ctrl_c(_item):
 
 def deaf_to_ctrl_c(_):
     return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def leaves_threads(count):
+    """As a recording does: they stay, with what they hold."""
+    for _ in range(count):
+        threading.Thread(target=time.sleep, args=(600,), daemon=True).start()
+    return os.getpid()

@@ -1,16 +1,16 @@
+import collections
 import contextlib
 import importlib.util
-import os
-import subprocess
-import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
 
-from testbed.run import dask_engine, identity
+from testbed.run import dask_client, dask_engine, identity
 from testbed.run.dask_engine import DaskEngine
-from testbed.run.engines import Died, EngineError
+from testbed.run.engines import Died, EngineError, EngineLostError
+from tests.kills.cluster import Cluster
 from tests.run import fakes
 
 pytestmark = pytest.mark.slow
@@ -22,36 +22,25 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture
 def cluster(tmp_path):
     with started_cluster(tmp_path, ROOT) as started:
-        yield started
+        yield started.file, started.workers
 
 
 @contextlib.contextmanager
 def started_cluster(tmp_path, code):
-    """A scheduler and two workers on loopback, started as a user starts them; yields (address, worker processes).
+    """A scheduler and two workers on loopback, started as a user starts them, for as long as the block lasts."""
+    cluster = Cluster(tmp_path, code)
+    try:
+        cluster.start()
+        yield cluster
+    finally:
+        cluster.kill()
 
-    ``code``: the folder in which they find the project before anywhere else.
-    """
-    address_file = tmp_path / "scheduler.json"
-    dask = (
-        [sys.executable, "-W", "ignore", "-m", "distributed.cli.dask_scheduler"],
-        [sys.executable, "-W", "ignore", "-m", "distributed.cli.dask_worker"],
-    )
-    environment = os.environ | {"PYTHONPATH": str(code)}
-    with (tmp_path / "log").open("w") as log:
-        common = {"stdout": log, "stderr": log, "stdin": subprocess.DEVNULL, "cwd": tmp_path, "env": environment}
-        where = ["--scheduler-file", str(address_file)]
-        scheduler = subprocess.Popen([*dask[0], *where, "--host", "127.0.0.1", "--port", "0", "--no-dashboard"], **common)
-        workers = [
-            subprocess.Popen([*dask[1], *where, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1"], **common)
-            for _ in range(2)
-        ]
-        end = time.monotonic() + 30
-        while not address_file.exists() and time.monotonic() < end:
-            time.sleep(0.05)
-        yield str(address_file), workers
-        for process in [*workers, scheduler]:
-            process.kill()
-            process.wait()
+
+def wait_until(condition, seconds=30):
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.05)
+    return condition()
 
 
 def results(engine, fn, items):
@@ -95,13 +84,79 @@ def test_a_killed_worker_of_a_cluster_costs_nothing(cluster):
 @needs_dask
 def test_workers_with_other_versions_are_refused(cluster, monkeypatch):
     ours = identity.versions()
-    monkeypatch.setattr(dask_engine.identity, "versions", lambda: ours | {"numpy": "0.1"})
+    monkeypatch.setattr(identity, "versions", lambda: ours | {"numpy": "0.1"})
     with pytest.raises(EngineError, match=r'versions\.numpy: ".*" there, "0\.1" now'):
         results(DaskEngine(0, cluster[0]), fakes.square, [1])
 
 
 @needs_dask
+def test_another_scheduler_in_the_place_of_a_lost_one_is_found_and_all_is_answered(tmp_path, capfd):
+    with started_cluster(tmp_path, ROOT) as cluster:
+        out = {}
+        for number, result in DaskEngine(0, cluster.file, chunk=2).imap(fakes.slow_square, list(range(60))):
+            out[number] = result
+            if len(out) == 10:
+                cluster.kill()
+                cluster.start()
+    assert out == {x: x * x for x in range(60)}
+    said = capfd.readouterr().err
+    assert "the Dask scheduler at" in said
+    assert "a Dask scheduler is there; going on" in said
+
+
+@needs_dask
+@pytest.mark.parametrize("how", ["kill", "stop"])
+def test_a_scheduler_that_is_lost_for_good_ends_the_run_with_what_is_kept(tmp_path, monkeypatch, capfd, how):
+    monkeypatch.setattr(dask_engine, "RECONNECT_S", 1.0)
+    monkeypatch.setattr(dask_client, "PATIENCE_S", 20.0)
+    with started_cluster(tmp_path, ROOT) as cluster:
+        out, calls = {}, DaskEngine(0, cluster.file, chunk=2).imap(fakes.slow_square, list(range(400)))
+
+        def answer(number, result):
+            out[number] = result
+            if len(out) == 10:
+                monkeypatch.setattr(dask_client, "PATIENCE_S", 2.0)
+                cluster.end_scheduler(how)
+
+        with pytest.raises(EngineLostError, match="none came in its place for 1 s"):
+            collections.deque((answer(*call) for call in calls), maxlen=0)
+    assert 10 <= len(out) < 400
+    assert all(result == number * number for number, result in out.items()), "no flight is blamed for it"
+
+
+@needs_dask
+def test_that_there_are_no_workers_is_said_and_new_ones_are_welcome(tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(dask_client, "CENSUS_S", 0.2)
+    with started_cluster(tmp_path, ROOT) as cluster:
+        out, calls = {}, DaskEngine(0, cluster.file, chunk=2).imap(fakes.slow_square, list(range(60)))
+        for number, result in calls:
+            out[number] = result
+            if len(out) == 10:
+                monkeypatch.setattr(dask_client, "PATIENCE_S", 1.0)
+                cluster.kill_workers()
+                threading.Timer(6.0, cluster.start_workers).start()
+        assert out == {x: x * x for x in range(60)}
+        said = capfd.readouterr().err
+        assert "no Dask workers for" in said
+        assert "Dask workers are there again" in said
+
+
+@needs_dask
+def test_a_dask_worker_that_is_stopped_is_told_and_its_flights_are_flown_by_others(tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(dask_client, "CENSUS_S", 0.5)
+    with started_cluster(tmp_path, ROOT) as cluster:
+        out, calls = {}, DaskEngine(0, cluster.file, chunk=2).imap(fakes.slow_square, list(range(60)))
+        for number, result in calls:
+            out[number] = result
+            if len(out) == 10:
+                monkeypatch.setattr(dask_client, "PATIENCE_S", 3.0)
+                cluster.stop_a_worker()
+    assert out == {x: x * x for x in range(60)}
+    assert "no word of the Dask worker tcp://127.0.0.1" in capfd.readouterr().err
+
+
+@needs_dask
 def test_a_scheduler_that_does_not_answer_is_bad_input(monkeypatch):
-    monkeypatch.setattr(dask_engine, "PATIENCE_S", 1)
+    monkeypatch.setattr(dask_client, "PATIENCE_S", 1)
     with pytest.raises(EngineError, match="no Dask cluster with workers at"):
         results(DaskEngine(0, "tcp://127.0.0.1:9"), fakes.square, [1])

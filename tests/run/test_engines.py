@@ -2,6 +2,7 @@ import multiprocessing
 import multiprocessing.resource_tracker
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -9,7 +10,10 @@ import time
 
 import pytest
 
-from testbed.run.engines import Died, EngineError, LocalEngine, _work, usable_cores
+from testbed.run import crew
+from testbed.run.crew import MOST_AHEAD
+from testbed.run.engines import Died, EngineError, LocalEngine, limited, usable_cores
+from testbed.run.worker import GROWN_THREADS, work
 from tests.run import fakes
 
 pytestmark = pytest.mark.slow  # every test spawns processes
@@ -41,6 +45,17 @@ def wait_until(condition, seconds=20):
 @pytest.mark.parametrize("workers", [1, 3])
 def test_every_item_is_answered(workers):
     assert results(LocalEngine(workers), fakes.square, list(range(40))) == [x * x for x in range(40)]
+
+
+def test_items_are_pulled_as_workers_get_free_and_not_all_at_once():
+    pulled, ahead = [], []
+    items = (pulled.append(k) or k for k in range(1000))
+    for count, (number, result) in enumerate(LocalEngine(2).imap(fakes.dies_on_3, items), 1):
+        ahead.append(len(pulled) - count)
+        assert isinstance(result, Died) if number == 3 else result == number
+    assert len(ahead) == 1000
+    assert max(ahead[:3]) <= 10, "before it is known how small they are"
+    assert max(ahead) <= 2 * 2 * (1 + MOST_AHEAD) + 1, "what two workers hold, as much seen coming, and the one to try again"
 
 
 def test_no_items_need_no_worker():
@@ -140,9 +155,8 @@ def test_leaving_early_ends_the_workers(tmp_path):
 
 
 def test_a_worker_that_starts_when_all_is_done_ends_in_silence(capfd):
-    context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    worker = context.Process(target=_work, args=(theirs, fakes.square))
+    ours, theirs = socket.socketpair()
+    worker = multiprocessing.get_context("spawn").Process(target=work, args=(theirs, os.getpid()))
     worker.start()
     ours.close()
     theirs.close()
@@ -159,6 +173,93 @@ def test_workers_that_cannot_start_are_an_error_not_an_endless_loop(tmp_path, mo
     with pytest.raises(EngineError, match=r"3 worker processes in a row .* exit code 5"):
         results(LocalEngine(1), f, [1, 2])
     capfd.readouterr()
+
+
+DRIVER = """\
+import sys
+sys.path.append({folder!r})
+import stuck
+from testbed.run.engines import LocalEngine
+if __name__ == "__main__":
+    sys.argv.remove("driver")
+    list(LocalEngine(2).imap(stuck.fly, ["a", "b"]))
+"""
+STUCK = {"while it starts": "imports_slowly", "while it is stopped": "stop", "deep in foreign code": "spin_in_c"}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a worker that cannot run a thread of its own lives on")
+@pytest.mark.parametrize("when", STUCK)
+def test_a_killed_driver_leaves_no_worker_however_early_or_stuck(tmp_path, when):
+    """Also when its own thread, which watches the driver, has not begun or cannot run."""
+    pids = tmp_path / "pids"
+    pids.mkdir()
+    mark = f"open({str(pids)!r} + '/' + str(os.getpid()), 'w').close()"
+    if when == "while it starts":  # the driver itself must get by the import
+        module = f"import os, sys, time\nif 'driver' not in sys.argv:\n    {mark}\n    time.sleep(90)\ndef fly(_): pass\n"
+    else:
+        module = f"import os\nfrom tests.run import poison\ndef fly(_):\n    {mark}\n    poison.{STUCK[when]}()\n"
+    (tmp_path / "stuck.py").write_text(module)
+    script = tmp_path / "driver.py"
+    script.write_text(DRIVER.format(folder=str(tmp_path)))
+    with (tmp_path / "log").open("w") as log:
+        driver = subprocess.Popen([sys.executable, script, "driver"], stdout=log, stderr=log, stdin=subprocess.DEVNULL)
+        try:
+            assert wait_until(lambda: len(list(pids.iterdir())) == 2, 60), (tmp_path / "log").read_text()
+        finally:
+            driver.kill()
+            driver.wait()
+    assert wait_until(lambda: not any(alive(int(path.name)) for path in pids.iterdir()), 5)
+
+
+def run_script(folder, text):
+    (folder / "script.py").write_text(text)
+    return subprocess.run([sys.executable, folder / "script.py"], capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_a_script_without_a_main_guard_works_because_workers_do_not_run_it(tmp_path):
+    done = run_script(
+        tmp_path,
+        "from testbed.run.engines import LocalEngine\nfrom tests.run import fakes\n"
+        "print('once'); print(sorted(LocalEngine(2).imap(fakes.square, [1, 2, 3])))\n",
+    )
+    assert (done.stdout, done.returncode) == ("once\n[(0, 1), (1, 4), (2, 9)]\n", 0), done.stderr
+
+
+def test_a_script_that_gives_a_function_of_its_own_is_told_to_guard_itself(tmp_path):
+    text = "from testbed.run.engines import LocalEngine\ndef own(x): return -x\n{guard}print(dict(LocalEngine(1).imap(own, [1, 2])))\n"
+    assert run_script(tmp_path, text.format(guard="if __name__ == '__main__': ")).stdout == "{0: -1, 1: -2}\n"
+    unguarded = run_script(tmp_path, text.format(guard=""))
+    assert unguarded.returncode == 1
+    assert 'belongs under: if __name__ == "__main__":' in unguarded.stderr
+
+
+def test_a_worker_that_has_grown_is_replaced():
+    pids = results(LocalEngine(1), fakes.leaves_threads, [0, GROWN_THREADS + 10, 0, 0, 0])
+    assert len(set(pids)) == 2
+    assert pids[0] == pids[1] != pids[-1]
+
+
+def test_a_driver_that_was_stopped_has_no_worker_to_blame_for_it(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    clock = crew.Clock()
+    for step_s in (0.5, 3600.0, 0.5):
+        now[0] += step_s
+        clock.tick()
+    assert clock.now == 0.5 + 4 * crew.BEAT_S + 0.5
+
+
+def test_the_limit_of_a_campaign_is_given_to_engines_that_can_keep_it():
+    assert limited(LocalEngine(3), 7.0) == LocalEngine(3, wall_limit_s=7.0)
+    engine = object()
+    assert limited(engine, 7.0) is engine
+
+
+def test_a_worker_that_never_is_ready_is_a_failed_start(monkeypatch):
+    monkeypatch.setattr(crew, "START_LIMIT_S", 0.0)
+    monkeypatch.setattr(crew, "BEAT_S", 0.01)
+    with pytest.raises(EngineError, match=r"3 worker processes in a row .* was not ready after"):
+        results(LocalEngine(1), fakes.square, [1])
 
 
 def test_a_killed_driver_leaves_no_worker(tmp_path):
