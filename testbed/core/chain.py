@@ -45,12 +45,25 @@ class Chain:
 
     def sample(self, s_m: Array) -> tuple[Array, Array, Array]:
         """Points, unit tangents and curvature vectors, (n,3) each, at arc lengths (n,)."""
-        rows = self._rows(np.asarray(s_m, dtype=float), lambda curve, s: np.hstack(curve.sample(s)), 9)
+        s_m = np.asarray(s_m, dtype=float)
+        if self._all_on_one(s_m):
+            return self.curves[0].sample(s_m)
+        rows = self._rows(s_m, lambda curve, s: np.hstack(curve.sample(s)), 9)
         return rows[:, :3], rows[:, 3:6], rows[:, 6:]
 
     def points(self, s_m: Array) -> Array:
         """Points (n,3) at arc lengths (n,)."""
-        return self._rows(np.asarray(s_m, dtype=float), lambda curve, s: curve.points(s), 3)
+        s_m = np.asarray(s_m, dtype=float)
+        return self.curves[0].points(s_m) if self._all_on_one(s_m) else self._rows(s_m, lambda curve, s: curve.points(s), 3)
+
+    def tangents(self, s_m: Array) -> Array:
+        """Unit tangents (n,3) at arc lengths (n,)."""
+        s_m = np.asarray(s_m, dtype=float)
+        return self.curves[0].tangents(s_m) if self._all_on_one(s_m) else self.sample(s_m)[1]
+
+    def _all_on_one(self, s_m: Array) -> bool:
+        """Do these places lie on the only piece?"""
+        return len(self.curves) == 1 and len(s_m) > 0 and bool(s_m.min() >= 0.0 and s_m.max() <= self.length_m)
 
     def _rows(self, s_m: Array, take: Callable[[ph.Curve, Array], Array], width: int) -> Array:
         """What ``take`` has of each piece; before the start and past the end the rows of a straight line (point, tangent, no curvature)."""

@@ -22,7 +22,7 @@ from testbed.flight.planning.own import asked
 from testbed.flight.plants.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.plants.base import Plant, PlantSetting, Start, State, TrimFailedError
 from testbed.flight.record import FlightRecord, Outcome
-from testbed.flight.route.path import ActivePath, Path
+from testbed.flight.route.path import Path
 from testbed.flight.scene import Scene, make_scene
 from testbed.flight.sensing import SENSORS
 from testbed.flight.sensing.base import NOTHING, Sensor, SensorContext
@@ -47,7 +47,7 @@ def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None) -> Flig
         scene = make_scene(plan)
     except ValueError as error:
         return finish(FlightLog(plan, math.nan), None, Outcome.NO_PATH, f"no route: {error}", {})
-    path = ActivePath(scene.route.curves)
+    path = scene.path
     log = FlightLog(plan, scene.begin_s_m)
     log.change_path(0.0, path)
     aircraft = idealised(varied(load_aircraft(plan.aircraft), plan), plan.plant.ideal)

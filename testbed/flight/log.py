@@ -59,6 +59,8 @@ def finish(
 ) -> FlightRecord:
     """Columns, least clearance and the final outcome. Without a plant nothing was flown."""
     began = perf_counter()
+    # the route's chain is the same for all flights of it, and so is what was once worked out about it
+    chains = [scene.route if scene is not None and path is scene.path else Chain(path.curves) for _, path in log.paths]
     columns, closest = _columns(log, scene, plant)
     if inside(closest) and outcome not in (Outcome.DIVERGED, Outcome.HIT_GROUND):
         outcome, message = Outcome.COLLIDED, f"came {-closest:.2f} m inside an obstacle"
@@ -66,7 +68,7 @@ def finish(
         outcome, message = Outcome.NO_PATH, f"the planner had no path at {refused[0].time_s:.2f} s: {refused[0].decision}"
     for column in columns.values():
         column.flags.writeable = False
-    paths = tuple(PlannedPath(t, Chain(path.curves)) for t, path in log.paths)
+    paths = tuple(PlannedPath(from_s, chain) for (from_s, _), chain in zip(log.paths, chains, strict=True))
     longest_s = scene.longest_s if scene else 0.0
     took = tuple({**timings, "log_s": perf_counter() - began}.items())
     return FlightRecord(log.plan, outcome, columns, tuple(log.events), paths, message, longest_s, took)

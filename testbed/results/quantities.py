@@ -122,7 +122,7 @@ def schedule_error(record: FlightRecord, at_s: float, end_row: float) -> float:
     pos = columns["own.pos_enu_m"][k] + (row - k) * columns["own.vel_enu_mps"][k] / hz
     if not np.isfinite(pos).all():
         return NAN
-    s_begin, s_m = (place(record, path, point, row) for point, row in ((columns["own.pos_enu_m"][first], first), (pos, k)))
+    s_begin, s_m = float(columns["path.s_m"][first]), place(record, path, pos, k)
     wind = make_wind(record.plan.air, record.plan.terrain_z_m)
     inside = min(s_m, path.length_m)
     scheduled = planned_time(path.chain, s_begin, inside, record.plan, wind) + (s_m - inside) / record.plan.speed_mps
@@ -145,7 +145,7 @@ def planned_clearance(record: FlightRecord) -> float:
         mine = np.flatnonzero(record.columns["path.index"] == active)
         if not len(mine):
             continue
-        begin_s = place(record, path, record.columns["own.pos_enu_m"][mine[0]], mine[0])
+        begin_s = float(record.columns["path.s_m"][mine[0]])
         s = arc_lengths(path.chain, begin_s, (mine - mine[0]) / hz, record.plan, wind)
         inside = s <= path.length_m
         point[mine[inside]] = path.chain.points(s[inside])
