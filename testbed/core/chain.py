@@ -1,6 +1,7 @@
 """PH curves joined end to end, addressed by one arc length, straight on before the start and past the end."""
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,7 @@ FEW = 8  # up to this many pieces are all searched for the nearest point; of mor
 ROUNDING = 1e-9  # of a distance: far more than it is off by
 BLOCK = 1 << 18  # distances of points from pieces that are held at once
 NEWTON_STEPS, FEW_NEWTON_STEPS = 12, 2
+CLOSED_M = 1e-8
 SETTLED_M = 1e-2  # a last step this short leaves an error of curvature times its square
 
 
@@ -23,6 +25,7 @@ class Chain:
         self.curves = tuple(curves)
         ends = np.cumsum([curve.length_m for curve in self.curves])
         self.length_m = float(ends[-1])
+        self._lengths = tuple(curve.length_m for curve in self.curves)
         self.starts_m = tuple(float(s) for s in [0.0, *ends[:-1]])
 
     def leg(self, s_m: float) -> int:
@@ -48,14 +51,18 @@ class Chain:
         """What ``frame`` gives at arc lengths (n,) in [0, length_m], to the last bit: point, tangent and curvature as x, y and z (n,)."""
         if len(self.curves) == 1:
             return ph_columns.frames(self.curves[0], s_m)
-        rows = np.empty((9, len(s_m)))
-        which = np.searchsorted(self.starts_m, s_m, side="right") - 1
-        for k in np.unique(which):
-            mine, curve = which == k, self.curves[k]
-            found = ph_columns.frames(curve, np.minimum(s_m[mine] - self.starts_m[k], curve.length_m))
-            rows[:, mine] = [column for three in found for column in three]
-        x, y, z, tx, ty, tz, kx, ky, kz = rows
-        return (x, y, z), (tx, ty, tz), (kx, ky, kz)
+        rows, s = self._on_pieces(s_m)
+        return rows.frames(s)
+
+    @cached_property
+    def _pieces(self) -> ph_columns.Pieces:
+        return ph_columns.Pieces(self.curves)
+
+    def _on_pieces(self, s_m: Array, before: ph_columns.Rows | None = None) -> tuple[ph_columns.Rows, Array]:
+        """Places on the chain as places on its pieces; ``before`` serves again if no place has come to another piece."""
+        which = np.clip(np.searchsorted(self.starts_m, s_m, side="right") - 1, 0, None)
+        rows = before if before is not None and np.array_equal(which, before.which) else self._pieces.on(which)
+        return rows, np.clip(s_m - np.asarray(self.starts_m)[which], 0.0, np.asarray(self._lengths)[which])
 
     def tangent(self, s_m: float) -> Vec3:
         """The second of ``frame``, for half its cost."""
@@ -77,6 +84,20 @@ class Chain:
         s_m = np.asarray(s_m, dtype=float)
         return self.curves[0].points(s_m) if self._all_on_one(s_m) else self._rows(s_m, lambda curve, s: curve.points(s), 3)
 
+    def places(self, s_m: Array) -> Array:
+        """``points``, for what is measured: many pieces are looked up together, and rounded as ``frame`` is."""
+        return self._together(np.asarray(s_m, dtype=float))[0] if self._many else self.points(s_m)
+
+    def _together(self, s_m: Array, before: ph_columns.Rows | None = None) -> tuple[Array, Array, Array, ph_columns.Rows]:
+        """``sample`` of many pieces at once, and the rows that were asked, to be asked ``before`` others of the same pieces."""
+        inside = np.clip(s_m, 0.0, self.length_m)
+        rows, s = self._on_pieces(inside, before)
+        place, tangent, bend = (np.stack(three, axis=-1) for three in rows.frames(s))
+        if (beyond := s_m - inside).any():  # straight on
+            place += beyond[:, None] * tangent
+            bend[beyond != 0.0] = 0.0
+        return place, tangent, bend, rows
+
     def tangents(self, s_m: Array) -> Array:
         """Unit tangents (n,3) at arc lengths (n,)."""
         s_m = np.asarray(s_m, dtype=float)
@@ -89,8 +110,8 @@ class Chain:
     def _rows(self, s_m: Array, take: Callable[[ph.Curve, Array], Array], width: int) -> Array:
         """What ``take`` has of each piece; before the start and past the end the rows of a straight line (point, tangent, no curvature)."""
         rows = np.empty((len(s_m), width))
-        which = np.clip(np.searchsorted(self.starts_m, s_m, side="right") - 1, 0, None)
         inside = (s_m >= 0.0) & (s_m <= self.length_m)
+        which = np.clip(np.searchsorted(self.starts_m, s_m, side="right") - 1, 0, None)
         for k in np.unique(which[inside]):
             mine, curve = inside & (which == k), self.curves[k]
             rows[mine] = take(curve, np.clip(s_m[mine] - self.starts_m[k], 0.0, curve.length_m))
@@ -100,6 +121,11 @@ class Chain:
                 beyond = np.asarray(point) + np.outer(s_m[outside] - end, tangent)
                 rows[outside] = np.hstack([beyond, np.broadcast_to((*tangent, 0.0, 0.0, 0.0), (len(beyond), 6))])[:, :width]
         return rows
+
+    @property
+    def _many(self) -> bool:
+        """Too many pieces to go through one by one."""
+        return len(self.curves) > FEW
 
     def nearest(self, points: Array, guess_s_m: Array | None = None) -> tuple[Array, Array]:
         """Arc lengths (n,) of the nearest points, and the distances (n,), m; past the end the straight line counts.
@@ -116,11 +142,10 @@ class Chain:
             if good.any():
                 s_m[good], distance[good] = self.nearest(points[good], None if guess_s_m is None else guess_s_m[good])
             return s_m, distance
-        many = len(self.curves) > FEW
         if guess_s_m is None:
             return self._global(points)
-        s_m, distance, settled = self._local(points, np.array(guess_s_m, dtype=float), NEWTON_STEPS if many else FEW_NEWTON_STEPS)
-        if not many and not settled.all():
+        s_m, distance, settled = self._local(points, np.array(guess_s_m, dtype=float), NEWTON_STEPS if self._many else FEW_NEWTON_STEPS)
+        if not self._many and not settled.all():
             s_m[~settled], distance[~settled] = self._global(points[~settled])
         return s_m, distance
 
@@ -145,7 +170,7 @@ class Chain:
 
     def _in_reach(self, points: Array) -> Array:
         """Which pieces may be nearest to which points (n, pieces): no place of a piece is farther from its middle than half its length."""
-        if len(self.curves) <= FEW:
+        if not self._many:
             return np.ones((len(points), len(self.curves)), dtype=bool)
         halves = np.array([0.5 * curve.length_m for curve in self.curves])
         middles = np.array([curve.frame(half)[0] for curve, half in zip(self.curves, halves, strict=True)])
@@ -158,14 +183,19 @@ class Chain:
         Settled is what no longer moves and lies within half the least radius of the path, where no other foot is nearer unless the
         path itself comes back to that place.
         """
-        step = np.zeros(len(s_m))
+        step, rows = np.zeros(len(s_m)), None
         for _ in range(steps):
-            place, tangent, curvature = self.sample(s_m)
+            if self._many:
+                place, tangent, curvature, rows = self._together(s_m, rows)
+            else:
+                place, tangent, curvature = self.sample(s_m)
             offset = points - place
             slope = np.maximum(1.0 - np.einsum("ij,ij->i", offset, curvature), 0.25)
             after = np.maximum(0.0, s_m + np.einsum("ij,ij->i", offset, tangent) / slope)
             s_m, step = after, after - s_m
-        distance = np.linalg.norm(points - self.points(s_m), axis=1)
+            if self._many and (np.abs(step) < CLOSED_M).all():  # the next step would be rounding
+                break
+        distance = np.linalg.norm(points - self.places(s_m), axis=1)
         return s_m, distance, (np.abs(step) < SETTLED_M) & (distance * self.max_curvature() < 0.5)
 
     def max_curvature(self) -> float:

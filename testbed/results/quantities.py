@@ -148,7 +148,7 @@ def planned_clearance(record: FlightRecord) -> float:
         begin_s = float(record.columns["path.s_m"][mine[0]])
         s = arc_lengths(path.chain, begin_s, (mine - mine[0]) / hz, record.plan, wind)
         inside = s <= path.length_m
-        point[mine[inside]] = path.chain.points(s[inside])
+        point[mine[inside]] = path.chain.places(s[inside])
     return clearance_of(record, point)
 
 

@@ -70,7 +70,7 @@ def bench(pairs: int = PAIRS) -> tuple[str, dict[str, float]]:
     costs = [_cost(case, plan, beside, pairs) for case, plan, beside in plans()]
     lines = [
         f"Processor time of {FLIGHT_S:g} s at 120 Hz, guidance at 60 Hz, the paper's obstacle, no method; medians of {pairs} pairs",
-        "whole: flight over bare load, trim and stepping of as many steps; loop: over bare stepping; of jsbsim: over its flight in that air",
+        "whole: flight over bare load, trim and stepping of as many steps; loop: over that stepping; of jsbsim: over its flight there",
         f"{'':<26}{'whole':>8}{'':>14}{'loop':>8}{'of jsbsim':>12}{'log+metrics ms':>17}{'flight ms':>12}",
     ]
     for cost in costs:
