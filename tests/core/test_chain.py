@@ -163,3 +163,33 @@ def test_straight_on_before_and_past() -> None:
     assert path.frame(1010.0)[0] == pytest.approx((1010.0, 0.0, 0.0))
     assert path.frame(-10.0)[0] == pytest.approx((-10.0, 0.0, 0.0))
     assert path.leg(5.0) == 0
+
+
+@pytest.mark.parametrize("pieces", [1, 3, 3 * FEW])
+def test_frames_are_the_frames_one_by_one_to_the_last_bit(pieces: int) -> None:
+    chain = course(kind="circle", radius_m=200, turns=pieces / 24)
+    assert len(chain.curves) == pieces
+    s = np.concatenate([[0.0, *chain.starts_m, chain.length_m], np.random.default_rng(6).uniform(0.0, chain.length_m, 90)])
+    for part, columns in enumerate(chain.frames(s)):
+        assert np.array(columns).T.tolist() == [list(chain.frame(float(x))[part]) for x in s]
+    beyond = np.concatenate([s, [-30.0, chain.length_m + 30.0]])
+    assert [chain.tangent(float(x)) for x in beyond] == [chain.frame(float(x))[1] for x in beyond]
+    assert np.array_equal(chain.tangents(beyond), chain.sample(beyond)[1])
+
+
+def test_places_of_many_pieces_are_the_points() -> None:
+    chain = course(kind="racetrack", straight_m=500, radius_m=150)
+    s = np.linspace(-50.0, chain.length_m + 50.0, 777)
+    np.testing.assert_allclose(chain.places(s), chain.points(s), atol=1e-9)
+
+
+def test_nearest_of_many_pieces_from_a_guess_settles_within_a_micrometre() -> None:
+    chain = course(1, kind="random", least_radius_m=[120, 200], climb_at_most_deg=10)
+    rng = np.random.default_rng(5)
+    s = rng.uniform(5.0, chain.length_m - 5.0, 200)
+    points = chain.points(s) + rng.normal(size=(200, 3)) * 2.0
+    found, distance = chain.nearest(points, s + rng.uniform(-2.0, 2.0, 200))
+    foot, along, _ = chain.sample(found)
+    assert np.abs(np.einsum("ij,ij->i", points - foot, along)).max() < 1e-6, "it is the foot of a perpendicular"
+    assert np.linalg.norm(points - foot, axis=1) == pytest.approx(distance, abs=1e-9)
+    assert np.abs(found - chain.nearest(points)[0]).max() < 1e-6

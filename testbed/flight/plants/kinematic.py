@@ -24,6 +24,7 @@ from testbed.flight.plants.base import Command, Followable, PlantSetting, Start,
 Array = np.ndarray
 Sample = Sequence[float]
 NOT_THERE = (math.nan,) * 9  # alpha, beta, rates, controls
+STANDING_MPS = 1e-9  # slower than that there is no direction
 BLOCK = 500  # samples that are worked out at once, at most; those after a change of path were for nothing ...
 DRIVEN_BLOCK = 120  # ... and are dearer where the speed over the ground changes along the path
 
@@ -150,7 +151,7 @@ def coordinated(velocity: Vec3, acceleration: Vec3) -> tuple[float, float]:
     vx, vy, vz = velocity
     flat = math.hypot(vx, vy)
     speed = math.hypot(flat, vz)
-    if flat < 1e-9 * speed or speed == 0.0:  # straight up or down: no horizon to bank against
+    if flat < 1e-9 * speed or speed < STANDING_MPS:  # straight up or down: no horizon to bank against
         return 0.0, math.hypot(*acceleration) / G0_MPS2
     left, up = _lift(velocity, acceleration, flat, speed)
     return math.atan2(-left, up), math.hypot(left, up) / G0_MPS2
@@ -169,7 +170,7 @@ def coordinated_columns(velocity: Sequence[Array], acceleration: Sequence[Array]
     flat = list(map(math.hypot, vx, vy))
     speed = np.array(list(map(math.hypot, flat, vz)))
     level = np.array(flat)
-    if (level < 1e-9 * speed).any() or not speed.all():
+    if (level < 1e-9 * speed).any() or (speed < STANDING_MPS).any():
         each = [
             coordinated(*both)
             for both in zip(zip(vx, vy, vz, strict=True), zip(*(a.tolist() for a in acceleration), strict=True), strict=True)
