@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,9 @@ class Chain:
         self.length_m = float(ends[-1])
         self._lengths = tuple(curve.length_m for curve in self.curves)
         self.starts_m = tuple(float(s) for s in [0.0, *ends[:-1]])
+
+    def __reduce__(self) -> tuple[type["Chain"], tuple[Any, ...]]:
+        return Chain, (self.curves,)  # without what was worked out: a used chain pickles like a fresh one
 
     def leg(self, s_m: float) -> int:
         """Which piece an arc length lies on."""
@@ -69,7 +73,13 @@ class Chain:
         if not 0.0 <= s_m <= self.length_m:
             return self.frame(s_m)[1]
         k = self.leg(s_m) if len(self.curves) > 1 else 0
-        return ph_columns.tangent(self.curves[k], min(s_m - self.starts_m[k], self.curves[k].length_m))
+        at, length = self._tangents_of.get(k) or self._tangents_of.setdefault(k, (ph_columns.tangents_of(self.curves[k]), self._lengths[k]))
+        return at(min(s_m - self.starts_m[k], length))
+
+    @cached_property
+    def _tangents_of(self) -> dict[int, tuple[Callable[[float], Vec3], float]]:
+        """By the number of a piece: the function of arc length on it, and its length."""
+        return {}
 
     def sample(self, s_m: Array) -> tuple[Array, Array, Array]:
         """Points, unit tangents and curvature vectors, (n,3) each, at arc lengths (n,)."""

@@ -1,6 +1,7 @@
 """Chains of PH pieces, and the courses built of them, against closed forms and brute force."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -193,3 +194,14 @@ def test_nearest_of_many_pieces_from_a_guess_settles_within_a_micrometre() -> No
     assert np.abs(np.einsum("ij,ij->i", points - foot, along)).max() < 1e-6, "it is the foot of a perpendicular"
     assert np.linalg.norm(points - foot, axis=1) == pytest.approx(distance, abs=1e-9)
     assert np.abs(found - chain.nearest(points)[0]).max() < 1e-6
+
+
+def test_a_used_chain_pickles_like_a_fresh_one() -> None:
+    chain, path = course(kind="circle", radius_m=200), ActivePath(course(kind="circle", radius_m=200).curves, 7.0)
+    fresh = pickle.dumps(chain), pickle.dumps(path)
+    for used in (chain, path):
+        used.tangent(3.0), used.places(np.array([4.0])), used.nearest(np.zeros((1, 3)))
+    assert (pickle.dumps(chain), pickle.dumps(path)) == fresh
+    again = pickle.loads(fresh[1])
+    assert isinstance(again, ActivePath)
+    assert (again.begin_s_m, again.curves, again.look_up(5.0)) == (7.0, path.curves, path.look_up(5.0))
