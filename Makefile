@@ -70,7 +70,7 @@ PYTHONS ?=
 wheel-test: $(STAMP) ## install the wheel into empty environments of Python 3.11, 3.12, 3.13 (or PYTHONS="...") and fly a study there
 	$(BIN)/python tests/package/on_each_python.py $(PYTHONS)
 
-bench: $(STAMP) ## time a flight against the bare stepping of its plant
+bench: $(STAMP) ## time flights of every plant and air against the physics alone: reports/bench_history.csv
 	$(BIN)/testbed bench
 
 report: $(STAMP) ## write the page and tables of the paper's campaign again, without flying

@@ -284,6 +284,14 @@ class Curve:
         bends = (2.0 / sigma**2)[:, None] * (w[:, None] * da + (dw - 2.0 * w * rate / sigma)[:, None] * a)
         return self._points(t), tangents, np.where(moving[:, None], bends, 0.0)
 
+    def tangents(self, s_m: FloatArray) -> FloatArray:
+        """Unit tangents (n,3) at arc lengths (n,): the second of ``sample``, for half its cost."""
+        t = self._parameter(np.asarray(s_m, dtype=np.float64))
+        a, e = np.stack([horner(x, t) for x in self._preimage], axis=-1), np.array(self.e)
+        w, sigma = a @ e, (a * a).sum(axis=-1)
+        moving = sigma > 0.0
+        return np.where(moving[:, None], (2.0 * w / np.where(moving, sigma, 1.0))[:, None] * a - e, e)
+
     def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Arc lengths (m,) of the points of the curve nearest to ``points`` (m,3), and the distances (m,), m; the exact projection
         in space.

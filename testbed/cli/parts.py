@@ -1,5 +1,6 @@
 """Commands about what a campaign can name."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
@@ -53,8 +54,23 @@ def check(
 
 
 @app.command()
-def bench() -> None:
-    """Time a flight against the bare stepping of its plant, side by side."""
+def bench(
+    history: Annotated[Path, typer.Option(help="CSV to which this run is added, and whose last runs are shown beside it.")] = Path(
+        "reports/bench_history.csv"
+    ),
+    pairs: Annotated[int, typer.Option(min=1, help="Flights of each case, each with its physics alone.")] = 21,
+) -> None:
+    """Time flights of every plant and air against the physics alone, side by side, and say what has become dearer."""
+    from testbed.run import bench_history
     from testbed.run.bench import bench as measure
 
-    say(measure())
+    with bad_input():
+        try:
+            before = bench_history.read(history)
+        except (OSError, ValueError) as problem:
+            fail(str(problem))
+    table, figures = measure(pairs)
+    say(table)
+    now = bench_history.today(figures)
+    say(bench_history.beside(before, now))
+    bench_history.append(history, now)

@@ -1,15 +1,21 @@
 """PH curves joined end to end, addressed by one arc length, straight on before the start and past the end."""
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from testbed.core.frames import Vec3
-from vosc import ph
+from vosc import ph, ph_columns
+from vosc.ph_columns import Column
 
 Array = np.ndarray
-FEW = 8  # up to this many pieces are all searched for the nearest point; of more, those about a guess
+FEW = 8  # up to this many pieces are all searched for the nearest point; of more, those about a guess, if there is one
+ROUNDING = 1e-9  # of a distance: far more than it is off by
+BLOCK = 1 << 18  # distances of points from pieces that are held at once
 NEWTON_STEPS, FEW_NEWTON_STEPS = 12, 2
+CLOSED_M = 1e-8
 SETTLED_M = 1e-2  # a last step this short leaves an error of curvature times its square
 
 
@@ -20,7 +26,11 @@ class Chain:
         self.curves = tuple(curves)
         ends = np.cumsum([curve.length_m for curve in self.curves])
         self.length_m = float(ends[-1])
+        self._lengths = tuple(curve.length_m for curve in self.curves)
         self.starts_m = tuple(float(s) for s in [0.0, *ends[:-1]])
+
+    def __reduce__(self) -> tuple[type["Chain"], tuple[Any, ...]]:
+        return Chain, (self.curves,)  # without what was worked out: a used chain pickles like a fresh one
 
     def leg(self, s_m: float) -> int:
         """Which piece an arc length lies on."""
@@ -41,20 +51,77 @@ class Chain:
         beyond = s_m if s_m < 0.0 else s_m - self.length_m
         return (point[0] + beyond * tangent[0], point[1] + beyond * tangent[1], point[2] + beyond * tangent[2]), tangent, (0.0, 0.0, 0.0)
 
+    def frames(self, s_m: Array) -> tuple[Column, Column, Column]:
+        """What ``frame`` gives at arc lengths (n,) in [0, length_m], to the last bit: point, tangent and curvature as x, y and z (n,)."""
+        if len(self.curves) == 1:
+            return ph_columns.frames(self.curves[0], s_m)
+        rows, s = self._on_pieces(s_m)
+        return rows.frames(s)
+
+    @cached_property
+    def _pieces(self) -> ph_columns.Pieces:
+        return ph_columns.Pieces(self.curves)
+
+    def _on_pieces(self, s_m: Array, before: ph_columns.Rows | None = None) -> tuple[ph_columns.Rows, Array]:
+        """Places on the chain as places on its pieces; ``before`` serves again if no place has come to another piece."""
+        which = np.clip(np.searchsorted(self.starts_m, s_m, side="right") - 1, 0, None)
+        rows = before if before is not None and np.array_equal(which, before.which) else self._pieces.on(which)
+        return rows, np.clip(s_m - np.asarray(self.starts_m)[which], 0.0, np.asarray(self._lengths)[which])
+
+    def tangent(self, s_m: float) -> Vec3:
+        """The second of ``frame``, for half its cost."""
+        if not 0.0 <= s_m <= self.length_m:
+            return self.frame(s_m)[1]
+        k = self.leg(s_m) if len(self.curves) > 1 else 0
+        at, length = self._tangents_of.get(k) or self._tangents_of.setdefault(k, (ph_columns.tangents_of(self.curves[k]), self._lengths[k]))
+        return at(min(s_m - self.starts_m[k], length))
+
+    @cached_property
+    def _tangents_of(self) -> dict[int, tuple[Callable[[float], Vec3], float]]:
+        """By the number of a piece: the function of arc length on it, and its length."""
+        return {}
+
     def sample(self, s_m: Array) -> tuple[Array, Array, Array]:
         """Points, unit tangents and curvature vectors, (n,3) each, at arc lengths (n,)."""
-        rows = self._rows(np.asarray(s_m, dtype=float), lambda curve, s: np.hstack(curve.sample(s)), 9)
+        s_m = np.asarray(s_m, dtype=float)
+        if self._all_on_one(s_m):
+            return self.curves[0].sample(s_m)
+        rows = self._rows(s_m, lambda curve, s: np.hstack(curve.sample(s)), 9)
         return rows[:, :3], rows[:, 3:6], rows[:, 6:]
 
     def points(self, s_m: Array) -> Array:
         """Points (n,3) at arc lengths (n,)."""
-        return self._rows(np.asarray(s_m, dtype=float), lambda curve, s: curve.points(s), 3)
+        s_m = np.asarray(s_m, dtype=float)
+        return self.curves[0].points(s_m) if self._all_on_one(s_m) else self._rows(s_m, lambda curve, s: curve.points(s), 3)
+
+    def places(self, s_m: Array) -> Array:
+        """``points``, for what is measured: many pieces are looked up together, and rounded as ``frame`` is."""
+        return self._together(np.asarray(s_m, dtype=float))[0] if self._many else self.points(s_m)
+
+    def _together(self, s_m: Array, before: ph_columns.Rows | None = None) -> tuple[Array, Array, Array, ph_columns.Rows]:
+        """``sample`` of many pieces at once, and the rows that were asked, to be asked ``before`` others of the same pieces."""
+        inside = np.clip(s_m, 0.0, self.length_m)
+        rows, s = self._on_pieces(inside, before)
+        place, tangent, bend = (np.stack(three, axis=-1) for three in rows.frames(s))
+        if (beyond := s_m - inside).any():  # straight on
+            place += beyond[:, None] * tangent
+            bend[beyond != 0.0] = 0.0
+        return place, tangent, bend, rows
+
+    def tangents(self, s_m: Array) -> Array:
+        """Unit tangents (n,3) at arc lengths (n,)."""
+        s_m = np.asarray(s_m, dtype=float)
+        return self.curves[0].tangents(s_m) if self._all_on_one(s_m) else self.sample(s_m)[1]
+
+    def _all_on_one(self, s_m: Array) -> bool:
+        """Do these places lie on the only piece?"""
+        return len(self.curves) == 1 and len(s_m) > 0 and bool(s_m.min() >= 0.0 and s_m.max() <= self.length_m)
 
     def _rows(self, s_m: Array, take: Callable[[ph.Curve, Array], Array], width: int) -> Array:
         """What ``take`` has of each piece; before the start and past the end the rows of a straight line (point, tangent, no curvature)."""
         rows = np.empty((len(s_m), width))
-        which = np.clip(np.searchsorted(self.starts_m, s_m, side="right") - 1, 0, None)
         inside = (s_m >= 0.0) & (s_m <= self.length_m)
+        which = np.clip(np.searchsorted(self.starts_m, s_m, side="right") - 1, 0, None)
         for k in np.unique(which[inside]):
             mine, curve = inside & (which == k), self.curves[k]
             rows[mine] = take(curve, np.clip(s_m[mine] - self.starts_m[k], 0.0, curve.length_m))
@@ -65,12 +132,18 @@ class Chain:
                 rows[outside] = np.hstack([beyond, np.broadcast_to((*tangent, 0.0, 0.0, 0.0), (len(beyond), 6))])[:, :width]
         return rows
 
+    @property
+    def _many(self) -> bool:
+        """Too many pieces to go through one by one."""
+        return len(self.curves) > FEW
+
     def nearest(self, points: Array, guess_s_m: Array | None = None) -> tuple[Array, Array]:
         """Arc lengths (n,) of the nearest points, and the distances (n,), m; past the end the straight line counts.
 
         ``guess_s_m`` (n,), where there is one, is where to look first: Newton's method from there settles the points close to the
         path, and the whole path is searched for the others. Of a chain of more than eight pieces (a racetrack passes the same place
-        on every lap) the point nearest to the guess is meant, and one must be given. What is not finite has NaN for both.
+        on every lap) the point nearest to the guess is meant; without one, the first of those that are nearest of all. What is not
+        finite has NaN for both.
         """
         points = np.asarray(points, dtype=float)
         good = np.isfinite(points).all(axis=1)
@@ -79,28 +152,40 @@ class Chain:
             if good.any():
                 s_m[good], distance[good] = self.nearest(points[good], None if guess_s_m is None else guess_s_m[good])
             return s_m, distance
-        many = len(self.curves) > FEW
         if guess_s_m is None:
-            if many:
-                raise ValueError(f"guess_s_m: needed for a chain of {len(self.curves)} pieces")
             return self._global(points)
-        s_m, distance, settled = self._local(points, np.array(guess_s_m, dtype=float), NEWTON_STEPS if many else FEW_NEWTON_STEPS)
-        if not many and not settled.all():
+        s_m, distance, settled = self._local(points, np.array(guess_s_m, dtype=float), NEWTON_STEPS if self._many else FEW_NEWTON_STEPS)
+        if not self._many and not settled.all():
             s_m[~settled], distance[~settled] = self._global(points[~settled])
         return s_m, distance
 
     def _global(self, points: Array) -> tuple[Array, Array]:
-        found = [curve.nearest(points) for curve in self.curves]
-        distances = np.array([distance for _, distance in found])
-        best = np.argmin(distances, axis=0)
-        row = np.arange(len(points))
-        s_m = np.array([start + s for start, (s, _) in zip(self.starts_m, found, strict=True)])[best, row]
-        distance = distances[best, row]
+        """The whole path is searched, but for pieces that are too far away to matter."""
+        s_m, distance = np.zeros(len(points)), np.full(len(points), np.inf)
+        every = max(1, BLOCK // len(self.curves))
+        for first in range(0, len(points), every):
+            some = slice(first, first + every)
+            for curve, start, mine in zip(self.curves, self.starts_m, self._in_reach(points[some]).T, strict=True):
+                if not mine.any():
+                    continue
+                rows = first + np.flatnonzero(mine)
+                there, apart = curve.nearest(points[rows])
+                nearer = apart < distance[rows]
+                s_m[rows[nearer]], distance[rows[nearer]] = start + there[nearer], apart[nearer]
         point, tangent, _ = self.curves[-1].frame(self.curves[-1].length_m)
         beyond = (points - point) @ np.asarray(tangent)
         aside = np.linalg.norm(points - point - np.outer(beyond, tangent), axis=1)
         past = (beyond > 0.0) & (aside < distance)
         return np.where(past, self.length_m + beyond, s_m), np.where(past, aside, distance)
+
+    def _in_reach(self, points: Array) -> Array:
+        """Which pieces may be nearest to which points (n, pieces): no place of a piece is farther from its middle than half its length."""
+        if not self._many:
+            return np.ones((len(points), len(self.curves)), dtype=bool)
+        halves = np.array([0.5 * curve.length_m for curve in self.curves])
+        middles = np.array([curve.frame(half)[0] for curve, half in zip(self.curves, halves, strict=True)])
+        apart = np.sqrt(sum((points[:, None, k] - middles[None, :, k]) ** 2 for k in range(3)))
+        return np.asarray(apart - halves <= (1.0 + ROUNDING) * apart.min(axis=1)[:, None])
 
     def _local(self, points: Array, s_m: Array, steps: int) -> tuple[Array, Array, Array]:
         """Newton's method on the foot of the perpendicular, from a guess.
@@ -108,14 +193,19 @@ class Chain:
         Settled is what no longer moves and lies within half the least radius of the path, where no other foot is nearer unless the
         path itself comes back to that place.
         """
-        step = np.zeros(len(s_m))
+        step, rows = np.zeros(len(s_m)), None
         for _ in range(steps):
-            place, tangent, curvature = self.sample(s_m)
+            if self._many:
+                place, tangent, curvature, rows = self._together(s_m, rows)
+            else:
+                place, tangent, curvature = self.sample(s_m)
             offset = points - place
             slope = np.maximum(1.0 - np.einsum("ij,ij->i", offset, curvature), 0.25)
             after = np.maximum(0.0, s_m + np.einsum("ij,ij->i", offset, tangent) / slope)
             s_m, step = after, after - s_m
-        distance = np.linalg.norm(points - self.points(s_m), axis=1)
+            if self._many and (np.abs(step) < CLOSED_M).all():  # the next step would be rounding
+                break
+        distance = np.linalg.norm(points - self.places(s_m), axis=1)
         return s_m, distance, (np.abs(step) < SETTLED_M) & (distance * self.max_curvature() < 0.5)
 
     def max_curvature(self) -> float:

@@ -22,7 +22,7 @@ from testbed.flight.planning.own import asked
 from testbed.flight.plants.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.plants.base import Plant, PlantSetting, Start, State, TrimFailedError
 from testbed.flight.record import FlightRecord, Outcome
-from testbed.flight.route.path import ActivePath, Path
+from testbed.flight.route.path import Path
 from testbed.flight.scene import Scene, make_scene
 from testbed.flight.sensing import SENSORS
 from testbed.flight.sensing.base import NOTHING, Sensor, SensorContext
@@ -37,29 +37,30 @@ LOW_M = 50.0  # nearer to the ground than this, a wing or a wheel may touch it
 Until = Callable[[float, State, Path, float], bool]  # time (s), state, active path, arc length on it (m) -> enough?
 
 
-def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None) -> FlightRecord:
+def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None, clock: Callable[[], float] = perf_counter) -> FlightRecord:
     """Fly one plan. What happens to the aircraft is an outcome in the record, never an exception.
 
-    ``until`` may end the flight before its goal, with the outcome ``stopped``; it is asked at the guidance rate.
+    ``until`` may end the flight before its goal, with the outcome ``stopped``; it is asked at the guidance rate. ``clock`` times the
+    stages of the work, in seconds.
     """
-    began = perf_counter()
+    began = clock()
     try:
         scene = make_scene(plan)
     except ValueError as error:
-        return finish(FlightLog(plan, math.nan), None, Outcome.NO_PATH, f"no route: {error}", {})
-    path = ActivePath(scene.route.curves)
-    log = FlightLog(plan, scene.begin_s_m)
+        return finish(FlightLog(plan, math.nan, clock), None, Outcome.NO_PATH, f"no route: {error}", {})
+    path = scene.path
+    log = FlightLog(plan, scene.begin_s_m, clock)
     log.change_path(0.0, path)
     aircraft = idealised(varied(load_aircraft(plan.aircraft), plan), plan.plant.ideal)
     try:
         plant = make_plant(plan, aircraft, start_of(plan, scene), scene)
     except TrimFailedError as error:
-        return finish(log, scene, Outcome.TRIM_FAILED, str(error), {"set_up_s": perf_counter() - began})
+        return finish(log, scene, Outcome.TRIM_FAILED, str(error), {"set_up_s": clock() - began})
     blocks = _Blocks(make_sensor(plan), make_planner(plan), make_law(plan, aircraft), plant)
     memories = (blocks.sensor.start(sensor_context(plan)), blocks.planner.start(make_context(plan, scene, aircraft)))
-    ready = perf_counter()
+    ready = clock()
     outcome, message = _loop(plan, scene, path, blocks, memories, log, until(scene) if until else None)
-    flown = perf_counter()
+    flown = clock()
     return finish(
         log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": flown - ready, "answer_s": blocks.planner.slowest_s}, plant
     )

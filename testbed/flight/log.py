@@ -1,6 +1,7 @@
 """The log of a flight: rows are appended as packed doubles while it flies and become named columns once, at its end."""
 
 import struct
+from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
@@ -36,8 +37,8 @@ ROTATION = ("p_air", "q_air", "r_air")
 class FlightLog:
     """What one flight writes down. Only the loop appends."""
 
-    def __init__(self, plan: FlightPlan, begin_s_m: float) -> None:
-        self.plan, self.begin_s_m = plan, begin_s_m
+    def __init__(self, plan: FlightPlan, begin_s_m: float, clock: Callable[[], float] = perf_counter) -> None:
+        self.plan, self.begin_s_m, self.clock = plan, begin_s_m, clock
         self.samples: list[bytes] = []  # the plant's own rows, one a tick
         self.guidance: list[bytes] = []  # telemetry, and whether the aircraft was at a stop
         self.events: list[ReplanEvent] = []
@@ -58,7 +59,9 @@ def finish(
     log: FlightLog, scene: Scene | None, outcome: Outcome, message: str, timings: dict[str, float], plant: Plant | None = None
 ) -> FlightRecord:
     """Columns, least clearance and the final outcome. Without a plant nothing was flown."""
-    began = perf_counter()
+    began = log.clock()
+    # the route's chain is the same for all flights of it, and so is what was once worked out about it
+    chains = [scene.route if scene is not None and path is scene.path else Chain(path.curves) for _, path in log.paths]
     columns, closest = _columns(log, scene, plant)
     if inside(closest) and outcome not in (Outcome.DIVERGED, Outcome.HIT_GROUND):
         outcome, message = Outcome.COLLIDED, f"came {-closest:.2f} m inside an obstacle"
@@ -66,9 +69,9 @@ def finish(
         outcome, message = Outcome.NO_PATH, f"the planner had no path at {refused[0].time_s:.2f} s: {refused[0].decision}"
     for column in columns.values():
         column.flags.writeable = False
-    paths = tuple(PlannedPath(t, Chain(path.curves)) for t, path in log.paths)
+    paths = tuple(PlannedPath(from_s, chain) for (from_s, _), chain in zip(log.paths, chains, strict=True))
     longest_s = scene.longest_s if scene else 0.0
-    took = tuple({**timings, "log_s": perf_counter() - began}.items())
+    took = tuple({**timings, "log_s": log.clock() - began}.items())
     return FlightRecord(log.plan, outcome, columns, tuple(log.events), paths, message, longest_s, took)
 
 

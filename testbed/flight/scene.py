@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,11 +10,14 @@ from testbed.campaign.words.settings import FlightPlan, Point
 from testbed.core import registry
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3, unit_from_direction, vec3
+from testbed.core.kept import Kept
 from testbed.core.seeds import stream
 from testbed.core.units import DEG
 from testbed.flight.air import CALM, AirModel, Wind, make_air, make_wind
-from testbed.flight.route.courses import route_pieces
-from testbed.flight.traffic.schedule import Schedule, anchored, planned_time
+from testbed.flight.route.courses import draws, route_pieces
+from testbed.flight.route.path import ActivePath
+from testbed.flight.traffic import TRACKS
+from testbed.flight.traffic.schedule import Schedule, anchored, planned_time, wind_key
 from testbed.flight.traffic.straight import shifted
 from testbed.flight.traffic.track import Track, TrackSetting, Traffic
 from vosc import ph
@@ -27,6 +31,7 @@ class Scene:
     """What the plan describes, in numbers: ``begin_s_m`` is the arc length of the route at which the flight starts."""
 
     route: Chain
+    path: ActivePath  # the same, for guidance
     begin_s_m: float
     planned_time_s: float  # from the start to the goal
     traffic: Traffic
@@ -41,29 +46,82 @@ class Scene:
         return self.traffic.tracks
 
 
+class _Laid(NamedTuple):
+    """A route in the frame that is flown, and what brought it there."""
+
+    route: Chain
+    path: ActivePath
+    turn: Array
+    place: Callable[[Point], Array]
+
+
+class _Stage(NamedTuple):
+    """A scene without its air, which is another for every seed."""
+
+    laid: _Laid
+    begin_s_m: float
+    planned_time_s: float
+    traffic: Traffic
+
+
+MOST_M = 1e5  # so long are all routes together that are kept; guidance's table takes some 0.4 kB a metre
+_laid: Kept[_Laid] = Kept(MOST_M, lambda laid: laid.route.length_m)
+_stages: Kept[_Stage] = Kept(MOST_M, lambda stage: stage.laid.route.length_m)
+_schedules: Kept[Schedule] = Kept(16)
+
+
 def make_scene(plan: FlightPlan) -> Scene:
     """Route, start and traffic of a plan. Raises ``ValueError`` when the route cannot be built or has no such start."""
+    (route, path, _, _), begin_s, planned, traffic = _stage(plan)
+    goal, goal_tangent, _ = route.frame(route.length_m)
+    longest = TIME_OUT * planned
+    frame = lambda s_m: route.frame(s_m)[:2]  # noqa: E731
+    return Scene(route, path, begin_s, planned, traffic, goal, goal_tangent, make_air(plan, frame, begin_s, longest), longest)
+
+
+def _stage(plan: FlightPlan) -> _Stage:
+    """What many flights of a sweep share is made once; not with tracks of somebody's own, which may remember what they were asked."""
+
+    def make() -> _Stage:
+        laid = _laid.get(_key(plan, "route", "geometry"), lambda: _lay(plan))
+        begin_s = _begin(plan, laid.route)
+        wind = make_wind(plan.air, plan.terrain_z_m)
+        planned = planned_time(laid.route, begin_s, laid.route.length_m, plan, wind)
+        return _Stage(laid, begin_s, planned, Traffic(_tracks(plan, laid, begin_s, wind)))
+
+    if any(spec.kind not in TRACKS for spec in plan.obstacles):
+        return make()
+    return _stages.get(_key(plan, "route", "geometry", "begin", "obstacles", "traffic", *FLOWN), make)
+
+
+FLOWN = ("speed_mps", "speed_hold", "terrain_z_m")  # with the mean wind: how fast the plan moves along its route
+
+
+def _key(plan: FlightPlan, *names: str) -> tuple[object, ...]:
+    """Those settings of a plan, and what its route is drawn with; as text, in which 0 and -0 differ."""
+    include: dict[str, object] = dict.fromkeys(names, True)
+    if "speed_mps" in names:
+        include["air"] = {"wind"}
+    drawn = (plan.seed, plan.replicate) if draws(plan.route) else ()
+    return (plan.model_dump_json(include=include), *drawn)  # type: ignore[arg-type]
+
+
+def _lay(plan: FlightPlan) -> _Laid:
     pieces = route_pieces(plan)
     start, first, last = pieces[0][0], pieces[0][1], pieces[-1][3]
     turn = level_rotation(first, last) if plan.geometry == "level" else np.eye(3)
     place = lambda point: start + turn @ (np.asarray(point) - start)  # noqa: E731
     route = Chain([ph.hermite(place(p0), turn @ d0, place(p1), turn @ d1) for p0, d0, p1, d1 in pieces])
-    goal, goal_tangent, _ = route.frame(route.length_m)
-    begin_s = _begin(plan, route)
-    wind = make_wind(plan.air, plan.terrain_z_m)
-    planned = planned_time(route, begin_s, route.length_m, plan, wind)
-    longest = TIME_OUT * planned
-    traffic = Traffic(_tracks(plan, route, begin_s, turn, place, wind))
-    frame = lambda s_m: route.frame(s_m)[:2]  # noqa: E731
-    return Scene(route, begin_s, planned, traffic, goal, goal_tangent, make_air(plan, frame, begin_s, longest), longest)
+    return _Laid(route, ActivePath(route.curves), turn, place)
 
 
-def _tracks(plan: FlightPlan, route: Chain, begin_s: float, turn: Array, place: Callable[[Point], Array], wind: Wind) -> tuple[Track, ...]:
+def _tracks(plan: FlightPlan, laid: _Laid, begin_s: float, wind: Wind) -> tuple[Track, ...]:
     """The obstacles, in the wind as ``traffic.in_wind`` says. An anchored one is where it is printed in calm air only."""
     tracks = []
+    route, _, turn, place = laid
     anchor = plan.traffic.in_wind == "anchored"
     timing_wind = CALM.mean if anchor else wind
-    in_wind, in_calm = (Schedule(route, begin_s, plan, air) if anchor else None for air in (wind, CALM.mean))
+    in_wind, in_calm = (_schedule(plan, route, begin_s, air) if anchor else None for air in (wind, CALM.mean))
     for spec in plan.obstacles:
         velocity = spec.speed_mps * turn @ np.array(unit_from_direction(*spec.direction_deg))
         position = place(spec.position_enu_m)
@@ -80,6 +138,12 @@ def _tracks(plan: FlightPlan, route: Chain, begin_s: float, turn: Array, place: 
             track = shifted(track, when, position, velocity + wind(when, vec3(position)))
         tracks.append(anchored(track, in_calm, in_wind) if in_calm and in_wind else track)
     return tuple(tracks)
+
+
+def _schedule(plan: FlightPlan, route: Chain, begin_s: float, wind: Wind) -> Schedule:
+    """Of the plan in that wind, or in calm air."""
+    key = (route, begin_s, wind is CALM.mean, wind_key(plan))
+    return _schedules.get(key, lambda: Schedule(route, begin_s, plan, wind))
 
 
 def level_rotation(first: Array, last: Array) -> Array:

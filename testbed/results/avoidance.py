@@ -115,7 +115,7 @@ def followed_clearance(record: FlightRecord) -> float:
     for active, path in enumerate(record.paths):
         mine = np.flatnonzero(record.columns["path.index"] == active)
         if len(mine):
-            point[mine] = path.chain.points(record.columns["path.s_m"][mine])
+            point[mine] = path.chain.places(record.columns["path.s_m"][mine])
     return clearance_of(record, point)
 
 

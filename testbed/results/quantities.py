@@ -10,7 +10,7 @@ from testbed.flight.air import make_wind
 from testbed.flight.fly import GOAL_GATE_M
 from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED
 from testbed.flight.plants.aircraft import load_aircraft
-from testbed.flight.record import FlightRecord, Outcome, PlannedPath
+from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.traffic.schedule import arc_lengths, planned_time
 from testbed.flight.traffic.track import least_clearance
 from testbed.results.avoidance import clearance_of
@@ -122,16 +122,12 @@ def schedule_error(record: FlightRecord, at_s: float, end_row: float) -> float:
     pos = columns["own.pos_enu_m"][k] + (row - k) * columns["own.vel_enu_mps"][k] / hz
     if not np.isfinite(pos).all():
         return NAN
-    s_begin, s_m = (place(record, path, point, row) for point, row in ((columns["own.pos_enu_m"][first], first), (pos, k)))
+    both, rows = np.array([columns["own.pos_enu_m"][first], pos]), [first, k]
+    s_begin, s_m = path.chain.nearest(both, columns["guidance.s_m"][rows])[0].tolist()
     wind = make_wind(record.plan.air, record.plan.terrain_z_m)
     inside = min(s_m, path.length_m)
     scheduled = planned_time(path.chain, s_begin, inside, record.plan, wind) + (s_m - inside) / record.plan.speed_mps
     return float(row / hz - path.from_time_s - scheduled)
-
-
-def place(record: FlightRecord, path: PlannedPath, point: Array, row: int) -> float:
-    """Arc length of a path nearest to a point (3,) that was passed about that row; straight on past the end."""
-    return float(path.chain.nearest(point[None], record.columns["guidance.s_m"][row : row + 1])[0][0])
 
 
 def planned_clearance(record: FlightRecord) -> float:
@@ -145,10 +141,10 @@ def planned_clearance(record: FlightRecord) -> float:
         mine = np.flatnonzero(record.columns["path.index"] == active)
         if not len(mine):
             continue
-        begin_s = place(record, path, record.columns["own.pos_enu_m"][mine[0]], mine[0])
+        begin_s = float(record.columns["path.s_m"][mine[0]])
         s = arc_lengths(path.chain, begin_s, (mine - mine[0]) / hz, record.plan, wind)
         inside = s <= path.length_m
-        point[mine[inside]] = path.chain.points(s[inside])
+        point[mine[inside]] = path.chain.places(s[inside])
     return clearance_of(record, point)
 
 

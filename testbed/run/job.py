@@ -3,7 +3,7 @@
 import time
 import traceback
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +87,7 @@ def _run(job: Job) -> JobResult:
 
         raw = job.columns_path
         _timed(timings, "columns", lambda: write_columns(record, raw))
-    row = _identity(job.plan) | asdict(metrics) | _story([asdict(event) for event in record.events], record.message, "", recording)
+    row = _identity(job.plan) | vars(metrics) | _story([dict(vars(event)) for event in record.events], record.message, "", recording)
     if job.check is not None:
         from testbed.results.checks import evidence
 

@@ -1,6 +1,7 @@
 """Chains of PH pieces, and the courses built of them, against closed forms and brute force."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -13,9 +14,9 @@ from tests.plans import plan
 from vosc import ph
 
 
-def course(**shape: object) -> Chain:
+def course(replicate: int = 0, **shape: object) -> Chain:
     route = {"start_enu_m": [10, -20, 30], "start_direction_deg": [30, 0], "shape": shape}
-    return Chain([ph.hermite(*piece) for piece in route_pieces(plan(route=route))])
+    return Chain([ph.hermite(*piece) for piece in route_pieces(plan(route=route, replicate=replicate))])
 
 
 def test_a_circle_is_a_circle() -> None:
@@ -112,8 +113,42 @@ def test_nearest_past_the_end_and_not_finite() -> None:
     assert s[:2] == pytest.approx([40.0, 112.0])
     assert distance[:2] == pytest.approx([5.0, 2.0])
     assert np.isnan([s[2], distance[2]]).all()
-    with pytest.raises(ValueError, match="guess_s_m"):
-        course(kind="circle", radius_m=100).nearest(np.zeros((1, 3)))
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"kind": "racetrack", "straight_m": 700, "radius_m": 180, "laps": 1},
+        {"kind": "swerve", "heading_deg": 40, "swing_m": 300, "swings": 5},
+        {"kind": "random", "least_radius_m": [120, 200], "climb_at_most_deg": 10},
+        {"kind": "circle", "radius_m": 150, "turns": 0.7},
+    ],
+    ids=lambda shape: str(shape["kind"]),
+)
+@pytest.mark.parametrize("far_m", [1.0, 60.0, 3000.0])
+def test_nearest_of_many_pieces_without_a_guess_is_the_nearest_of_all(shape: dict[str, object], far_m: float) -> None:
+    chain = course(1, **shape)  # the second random course is one of many pieces
+    assert len(chain.curves) > FEW
+    rng = np.random.default_rng(11)
+    s = np.linspace(0.0, chain.length_m, 40_001)
+    fine = chain.points(s)
+    points = fine[rng.integers(0, len(fine), 80)] + far_m * rng.normal(size=(80, 3))
+    found, distance = chain.nearest(points)
+    end, along, _ = chain.frame(chain.length_m)
+    for point, s_m, apart in zip(points, found, distance, strict=True):
+        beyond = max(0.0, float((point - end) @ np.asarray(along)))  # the straight line past the end counts
+        brute = min(np.linalg.norm(fine - point, axis=1).min(), np.linalg.norm(point - end - beyond * np.asarray(along)))
+        assert apart == pytest.approx(brute, abs=2e-3)
+        assert apart <= brute + 1e-9, "exact: no sample is nearer"
+        assert np.linalg.norm(np.asarray(chain.frame(float(s_m))[0]) - point) == pytest.approx(apart, abs=1e-9)
+
+
+def test_many_points_are_searched_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    chain = course(kind="racetrack", straight_m=700, radius_m=180)
+    points = np.random.default_rng(2).uniform(-900.0, 900.0, (50, 3))
+    whole = chain.nearest(points)
+    monkeypatch.setattr("testbed.core.chain.BLOCK", 7 * len(chain.curves))
+    assert np.allclose(chain.nearest(points), whole, atol=1e-9)
 
 
 def test_a_lap_is_told_from_the_next_by_the_guess() -> None:
@@ -129,3 +164,44 @@ def test_straight_on_before_and_past() -> None:
     assert path.frame(1010.0)[0] == pytest.approx((1010.0, 0.0, 0.0))
     assert path.frame(-10.0)[0] == pytest.approx((-10.0, 0.0, 0.0))
     assert path.leg(5.0) == 0
+
+
+@pytest.mark.parametrize("pieces", [1, 3, 3 * FEW])
+def test_frames_are_the_frames_one_by_one_to_the_last_bit(pieces: int) -> None:
+    chain = course(kind="circle", radius_m=200, turns=pieces / 24)
+    assert len(chain.curves) == pieces
+    s = np.concatenate([[0.0, *chain.starts_m, chain.length_m], np.random.default_rng(6).uniform(0.0, chain.length_m, 90)])
+    for part, columns in enumerate(chain.frames(s)):
+        assert np.array(columns).T.tolist() == [list(chain.frame(float(x))[part]) for x in s]
+    beyond = np.concatenate([s, [-30.0, chain.length_m + 30.0]])
+    assert [chain.tangent(float(x)) for x in beyond] == [chain.frame(float(x))[1] for x in beyond]
+    assert np.array_equal(chain.tangents(beyond), chain.sample(beyond)[1])
+
+
+def test_places_of_many_pieces_are_the_points() -> None:
+    chain = course(kind="racetrack", straight_m=500, radius_m=150)
+    s = np.linspace(-50.0, chain.length_m + 50.0, 777)
+    np.testing.assert_allclose(chain.places(s), chain.points(s), atol=1e-9)
+
+
+def test_nearest_of_many_pieces_from_a_guess_settles_within_a_micrometre() -> None:
+    chain = course(1, kind="random", least_radius_m=[120, 200], climb_at_most_deg=10)
+    rng = np.random.default_rng(5)
+    s = rng.uniform(5.0, chain.length_m - 5.0, 200)
+    points = chain.points(s) + rng.normal(size=(200, 3)) * 2.0
+    found, distance = chain.nearest(points, s + rng.uniform(-2.0, 2.0, 200))
+    foot, along, _ = chain.sample(found)
+    assert np.abs(np.einsum("ij,ij->i", points - foot, along)).max() < 1e-6, "it is the foot of a perpendicular"
+    assert np.linalg.norm(points - foot, axis=1) == pytest.approx(distance, abs=1e-9)
+    assert np.abs(found - chain.nearest(points)[0]).max() < 1e-6
+
+
+def test_a_used_chain_pickles_like_a_fresh_one() -> None:
+    chain, path = course(kind="circle", radius_m=200), ActivePath(course(kind="circle", radius_m=200).curves, 7.0)
+    fresh = pickle.dumps(chain), pickle.dumps(path)
+    for used in (chain, path):
+        used.tangent(3.0), used.places(np.array([4.0])), used.nearest(np.zeros((1, 3)))
+    assert (pickle.dumps(chain), pickle.dumps(path)) == fresh
+    again = pickle.loads(fresh[1])
+    assert isinstance(again, ActivePath)
+    assert (again.begin_s_m, again.curves, again.look_up(5.0)) == (7.0, path.curves, path.look_up(5.0))

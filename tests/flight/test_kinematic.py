@@ -9,9 +9,13 @@ from hypothesis import strategies as st
 
 from testbed import fly, measure
 from testbed.core.units import G0_MPS2
-from testbed.flight.plants.kinematic import coordinated
+from testbed.flight.air import AirModel, ground_speed_along
+from testbed.flight.plants.base import Start
+from testbed.flight.plants.kinematic import BLOCK, DRIVEN_BLOCK, KinematicPlant, coordinated, coordinated_columns
 from testbed.flight.record import Outcome
+from testbed.flight.route.path import ActivePath, Arc
 from tests.plans import KINEMATIC, paper_obstacle, plan
+from vosc import ph
 
 
 def test_arrives_at_the_goal_in_length_over_speed() -> None:
@@ -82,3 +86,97 @@ def test_steady_wind_changes_the_ground_speed_of_a_point_that_holds_airspeed() -
     assert tail.flight_time_s == pytest.approx(600 / 60, abs=1 / 120)
     assert hold.flight_time_s == pytest.approx(600 / 50, abs=1 / 120)
     assert hold.max_airspeed_mps == pytest.approx(40.0)
+
+
+STILL = (0.0, 0.0, 0.0)
+WINDY = (6.0, -3.0, 0.0)
+
+
+def sheared(time_s: float, pos: tuple) -> tuple:
+    return 0.02 * pos[2] + 0.01 * time_s, -4.0, 0.0
+
+
+def gusty(time_s: float, pos: tuple) -> tuple:
+    return 6.0 + math.sin(3.0 * time_s), -3.0 + 0.01 * pos[0], 0.3
+
+
+AIRS = {
+    "calm": AirModel(STILL, STILL, lambda _t, _p: STILL, lambda _t, _p: STILL),
+    "steady": AirModel(WINDY, WINDY, lambda _t, _p: WINDY, lambda _t, _p: WINDY),
+    "gusty": AirModel(None, WINDY, lambda _t, _p: WINDY, gusty),
+    "sheared": AirModel(None, None, sheared, sheared),
+}
+
+
+class OneByOne:
+    """The point on rails as its rule is written: sample by sample, with the scalar kernel."""
+
+    def __init__(self, start: Start, air: AirModel, hz: int, hold_airspeed: bool) -> None:
+        self.air, self.hz, self.tick, self.on_path = air, hz, 0, 0
+        self.even = not hold_airspeed or air.uniform == STILL
+        self.speed = start.speed if hold_airspeed else ground_speed_along(start.tangent, start.speed, start.wind)
+
+    def follow(self, path: ActivePath | Arc, s_m: float) -> None:
+        self.path, self.from_s, self.on_path = path, s_m, 0
+
+    def step(self) -> None:
+        self.tick += 1
+        self.on_path += self.even
+        if not self.even:
+            half = self.from_s + 0.5 * self.ground_speed(self.from_s) / self.hz
+            self.from_s += self.ground_speed(half) / self.hz
+
+    def ground_speed(self, s: float) -> float:
+        point, tangent, _ = self.path.frame(s)
+        return self.speed if self.even else ground_speed_along(tangent, self.speed, self.air.mean(self.tick / self.hz, point))
+
+    def sample(self) -> tuple[float, ...]:
+        s = min(self.from_s + self.speed * self.on_path / self.hz, self.path.length_m)
+        point, tangent, bend = self.path.frame(s)
+        v, air = self.ground_speed(s), self.air.at(self.tick / self.hz, point)
+        velocity = tuple(v * t for t in tangent)
+        bank, load_factor = coordinated(velocity, tuple(v * v * k for k in bend))
+        heading = math.atan2(velocity[0] - air[0], velocity[1] - air[1]) % math.tau
+        angles = bank, math.asin(tangent[2]), heading
+        return (*point, *velocity, *angles, load_factor, math.dist(velocity, air), *[math.nan] * 9, *air)
+
+
+@pytest.mark.parametrize("hold_airspeed", [True, False])
+@pytest.mark.parametrize("air", AIRS.values(), ids=AIRS)
+def test_samples_many_at_a_time_are_those_of_one_by_one(air: AirModel, hold_airspeed: bool) -> None:
+    """To the last bit: across blocks, changes of path, paths that last for a step, and the end of a path."""
+    first = ActivePath([ph.hermite((0, 0, 0), (600, 200, 60), (500, 100, 50), (500, -100, 0))])
+    second = ActivePath(
+        [
+            ph.hermite((100, 20, 10), (300, 60, 0), (300, 60, 20), (200, -50, 0)),
+            ph.hermite((300, 60, 20), (200, -50, 0), (450, 0, 0), (150, 0, 0)),
+        ]
+    )
+    arc = Arc((400.0, 0.0, 9.0), (1.0, 0.0, 0.0), (0.0, 0.004, 0.0), 40.0, 600.0)
+    start = Start((0.0, 0.0, 0.0), first.frame(0.0)[1], first.frame(0.0)[2], 50.0, air.mean(0.0, STILL))
+    plants = KinematicPlant(start, air, 120, hold_airspeed), OneByOne(start, air, 120, hold_airspeed)
+    changes = {0: (first, 3.0), DRIVEN_BLOCK + 7: (second, 0.0), 2 * DRIVEN_BLOCK: (arc, 40.0), 2 * DRIVEN_BLOCK + 2: (arc, 41.0)}
+    changes[2 * DRIVEN_BLOCK + 9] = (second, 5.0)
+    for tick in range(2 * DRIVEN_BLOCK + BLOCK + 500):  # past the end of the second path
+        for plant in plants:
+            if tick:
+                plant.step()
+            if tick == 0:
+                plant.follow(*changes[0])
+        ours, theirs = (plant.sample() for plant in plants)
+        assert np.array(ours).tobytes() == np.array(theirs).tobytes(), tick
+        if tick and tick in changes:
+            for plant in plants:
+                plant.follow(*changes[tick])
+
+
+vectors = st.tuples(*[st.floats(-80, 80)] * 3)
+
+
+@given(rows=st.lists(st.tuples(vectors, vectors), min_size=1, max_size=6))
+def test_columns_of_coordinated_flight_are_its_rows(rows: list) -> None:
+    """Straight up and a standstill among them."""
+    rows = [*rows, ((0.0, 0.0, 50.0), (3.0, 0.0, 0.0)), (STILL, (1.0, 0.0, 0.0))][: len(rows) + len(rows) % 3]
+    velocity, acceleration = ([np.array(column) for column in zip(*each, strict=True)] for each in zip(*rows, strict=True))
+    banks, load_factors = coordinated_columns(velocity, acceleration)
+    assert list(zip(banks, load_factors, strict=True)) == [coordinated(*row) for row in rows]

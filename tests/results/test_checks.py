@@ -13,7 +13,7 @@ from testbed import expand, fly, load_campaign, measure
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.units import DEG
 from testbed.flight.air.dryden import autocorrelation
-from testbed.flight.plants import jsbsim
+from testbed.flight.plants import jsbsim_start
 from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.traffic import track as traffic
@@ -146,14 +146,14 @@ def test_a_turn_with_another_bank_or_a_slip_fails() -> None:
 
 def test_an_aircraft_of_another_weight_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     """A broken plant: with 2 lb less fuel in the tank (3.5 % of its weight) the aircraft is not the one of its data sheet."""
-    load = jsbsim.load_model
+    load = jsbsim_start.load_model
 
-    def light(aircraft: Aircraft, plant_hz: int, air_turns: bool) -> Any:
+    def light(aircraft: Aircraft, plant_hz: int, air_turns: bool = False) -> Any:
         fdm = load(aircraft, plant_hz, air_turns)
         fdm["propulsion/tank/contents-lbs"] = 9.48
         return fdm
 
-    monkeypatch.setattr(jsbsim, "load_model", light)
+    monkeypatch.setattr(jsbsim_start, "load_model", light)
     assert misses(*flown("energy", "none"))
     assert misses(*flown("excess_power", "jsbsim"))
     assert {quantity.split(": ")[1] for quantity in misses(*flown("trims"))} == {"angle of attack", "throttle"}

@@ -10,13 +10,15 @@ import numpy as np
 from testbed.campaign.words.air import DrydenTurbulence, JsbsimTurbulence, NoGust
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.frames import Vec3
+from testbed.core.kept import Kept
 from testbed.core.seeds import stream
-from testbed.flight.air.dryden import SERIES_HZ, W20_MPS, dryden, dryden_series
+from testbed.flight.air.dryden import SERIES_HZ, W20_MPS, Dryden, dryden, dryden_series
 from testbed.flight.air.gusts import Frame, make_gust
 from testbed.flight.air.rotary import rotary_series
 from testbed.flight.air.wind import STILL, Wind, make_wind, steady_wind
 
 Array = np.ndarray
+Turning = Callable[[float], Wind]  # span of a wing (m) -> angular velocity of the air about it
 MARGIN_S = 2.0  # the series is that much longer than the flight may take
 LEAST_SEED = 2**20  # JSBSim takes small seeds for no seed
 
@@ -45,7 +47,7 @@ class AirModel:
     mean: Wind
     at: Wind
     built_in: BuiltIn | None = None
-    rotation: Callable[[float], Wind] | None = None
+    rotation: Turning | None = None
 
 
 CALM = AirModel(STILL, STILL, lambda _t_s, _pos_enu_m: STILL, lambda _t_s, _pos_enu_m: STILL)
@@ -60,7 +62,7 @@ def make_air(plan: FlightPlan, route: Frame, begin_s_m: float, longest_s: float)
         parts.append(make_gust(plan.air.gust, route, begin_s_m, plan.speed_mps))
     turbulence = plan.air.turbulence
     if isinstance(turbulence, DrydenTurbulence) and math.isfinite(longest_s):
-        gusts, rotation = _frozen(plan, turbulence, route(0.0), longest_s)
+        gusts, rotation, _ = _frozen(plan, turbulence, route(0.0), longest_s)
         parts.append(gusts)
     built_in = None
     if isinstance(turbulence, JsbsimTurbulence):
@@ -82,25 +84,43 @@ def _sum(parts: list[Wind]) -> Wind:
     return total
 
 
-def _frozen(
-    plan: FlightPlan, turbulence: DrydenTurbulence, start: tuple[Vec3, Vec3], longest_s: float
-) -> tuple[Wind, Callable[[float], Wind]]:
+class _Frozen(NamedTuple):
+    """A series as functions of time: velocity, and angular velocity for a span."""
+
+    velocity: Wind
+    rotation: Turning
+    samples: int
+
+
+_frozen_air: Kept[_Frozen] = Kept(4e5, lambda frozen: frozen.samples)  # some 0.2 kB each
+
+
+def _frozen(plan: FlightPlan, turbulence: DrydenTurbulence, start: tuple[Vec3, Vec3], longest_s: float) -> _Frozen:
     """The Dryden series of a seed, as functions of time: every flight of the seed meets the same gust at the same time.
 
-    Velocity, and angular velocity for a span. Height above the ground and direction are those of the route's start (not of where the
-    flight begins on it, which may differ between aircraft), the airspeed is the set speed. The components along, across (left) and
-    up are laid along the horizontal direction of the route there, and stay so: the air does not turn with the aircraft.
+    Height above the ground and direction are those of the route's start (not of where the flight begins on it, which may differ between
+    aircraft), the airspeed is the set speed. The components along, across (left) and up are laid along the horizontal direction of the
+    route there, and stay so: the air does not turn with the aircraft.
     """
     (_, _, z), (tx, ty, _) = start
     model = dryden(turbulence.severity, turbulence.height_m if turbulence.height_m is not None else z - plan.terrain_z_m)
     count = math.ceil((longest_s + MARGIN_S) * SERIES_HZ) + 2
-    series = dryden_series(model, plan.speed_mps, count, stream(plan.seed, plan.replicate, "turbulence"))
+    key = (model, plan.speed_mps, count, plan.seed, plan.replicate, repr((tx, ty)))  # repr tells 0 from -0
+    return _frozen_air.get(key, lambda: _drawn(*key[:5], tx, ty))
+
+
+def _drawn(model: Dryden, speed_mps: float, count: int, seed: int, replicate: int, tx: float, ty: float) -> _Frozen:
+    series = dryden_series(model, speed_mps, count, stream(seed, replicate, "turbulence"))
+    rotations: Kept[Wind] = Kept(3)
 
     def rotation(span_m: float) -> Wind:
-        noise = stream(plan.seed, plan.replicate, "turbulence_roll").normal(size=count)  # its own: the velocities do not know of it
-        return _laid(rotary_series(series, noise, model, plan.speed_mps, span_m), tx, ty)
+        def make() -> Wind:
+            noise = stream(seed, replicate, "turbulence_roll").normal(size=count)  # its own: the velocities do not know of it
+            return _laid(rotary_series(series, noise, model, speed_mps, span_m), tx, ty)
 
-    return _laid(series, tx, ty), rotation
+        return rotations.get(span_m, make)
+
+    return _Frozen(_laid(series, tx, ty), rotation, count)
 
 
 def _laid(series: Array, tx: float, ty: float) -> Wind:

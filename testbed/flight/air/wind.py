@@ -48,6 +48,7 @@ def logarithmic(wind: LogarithmicWind) -> Callable[[float], float]:
 
 def ground_speed_along(tangent: Vec3, airspeed_mps: float, wind: Vec3) -> float:
     """Speed over the ground along a unit tangent at a given true airspeed: |v_g T - W| = TAS, the forward root; 0 if there is none."""
-    along = sum(t * w for t, w in zip(tangent, wind, strict=True))
-    square = along * along - (sum(w * w for w in wind) - airspeed_mps * airspeed_mps)
+    (tx, ty, tz), (wx, wy, wz) = tangent, wind
+    along = tx * wx + ty * wy + tz * wz
+    square = along * along - ((wx * wx + wy * wy + wz * wz) - airspeed_mps * airspeed_mps)
     return max(0.0, along + square**0.5) if square > 0.0 else 0.0

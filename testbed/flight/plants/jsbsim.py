@@ -15,7 +15,7 @@ from testbed.flight.plants.autopilot import Autopilot, Memory
 from testbed.flight.plants.base import Command, Followable, PlantSetting, Start, State, make
 from testbed.flight.plants.jsbsim_air import WIND, GustFeed, rates_in_air, switch_on
 from testbed.flight.plants.jsbsim_settled import HOLD_S
-from testbed.flight.plants.jsbsim_start import begin, load_model, node, spool_up, trim_level
+from testbed.flight.plants.jsbsim_start import begin, node, trimmed
 
 Read = Callable[[], float]
 OBSERVED = (
@@ -64,9 +64,8 @@ class JsbsimPlant:
         self, aircraft: Aircraft, start: Start, plant_hz: int, guidance_hz: int, terrain_z_m: float, air: AirModel | None = None
     ) -> None:
         turns = air is not None and air.rotation is not None
-        fdm = load_model(aircraft, plant_hz, turns)
         height = start.pos[2] - terrain_z_m
-        fdm, trim = spool_up(fdm, aircraft, start, trim_level(fdm, aircraft, start.speed, height), height, turns)
+        fdm, trim = trimmed(aircraft, start, plant_hz, height, turns)
         self._steady = start.wind if air is None else air.steady
         feed = GustFeed(lambda name: node(fdm, name), air, start.wind) if air is not None and air.steady is None else None
         begin(fdm, start, trim, height, feed, HOLD_S if aircraft.model.start == "settled" else 0.0)

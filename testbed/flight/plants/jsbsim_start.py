@@ -19,6 +19,7 @@ from testbed.core.units import DEG, FT
 from testbed.flight.air import ground_speed_along
 from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Start, TrimFailedError
+from testbed.flight.plants.jsbsim_again import stamp, trimmed_again
 from testbed.flight.plants.jsbsim_air import GustFeed
 from testbed.flight.plants.jsbsim_model import changed_root
 from testbed.flight.plants.jsbsim_settled import HOLD_S, Balance, find_balance, hold, longitude_deg, put, start_engines
@@ -95,13 +96,17 @@ def trim_level(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, heig
     """Trim at a true airspeed and a height above the ground, level unless told to climb. Raises ``TrimFailedError``."""
     if aircraft.model.start == "settled":
         return _trim_settled(fdm, aircraft, speed_mps, height_m, climb_rad)
+    _switch_on(fdm, aircraft, speed_mps, height_m, climb_rad)
+    if not _trims(fdm):
+        raise TrimFailedError(_no_trim(speed_mps, height_m, climb_rad))
+    return Trim(fdm["fcs/throttle-cmd-norm"], fdm["aero/alpha-rad"])
+
+
+def _switch_on(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, height_m: float, climb_rad: float) -> None:
     _make_ready(fdm, aircraft, speed_mps, height_m, climb_rad)
     fdm.run_ic()
     fdm["propulsion/set-running"] = -1
     fdm["propulsion/fuel_freeze"] = 1
-    if not _trims(fdm):
-        raise TrimFailedError(_no_trim(speed_mps, height_m, climb_rad))
-    return Trim(fdm["fcs/throttle-cmd-norm"], fdm["aero/alpha-rad"])
 
 
 def _no_trim(speed_mps: float, height_m: float, climb_rad: float) -> str:
@@ -122,6 +127,12 @@ def _make_ready(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, hei
         set_(f"fcs/mixture-cmd-norm[{i}]", aircraft.model.mixture)
         set_(f"fcs/advance-cmd-norm[{i}]", 1.0)
     fdm["propulsion/magneto_cmd"] = 3
+
+
+def _model_key(aircraft: Aircraft) -> tuple[object, ...]:
+    """Everything about an aircraft that its trim depends on."""
+    model = aircraft.model
+    return (*stamp(model_file(aircraft)), model.gear_up, model.mixture, tuple(sorted(model.factors.items())))
 
 
 @dataclass(frozen=True)
@@ -152,9 +163,7 @@ def _balance(case: _Case) -> Balance | str:
 
 def _trim_settled(fdm: jsbsim.FGFDMExec, aircraft: Aircraft, speed_mps: float, height_m: float, climb_rad: float) -> Trim:
     """The balance is sought on executives of its own, so that a flight starts alike whether it was known or not."""
-    model, file = aircraft.model, model_file(aircraft)
-    key = (file, file.stat().st_mtime_ns, model.gear_up, model.mixture, tuple(sorted(model.factors.items())))
-    balance = _balance(_Case(aircraft, key, round(1.0 / fdm.get_delta_t()), speed_mps, height_m, climb_rad))
+    balance = _balance(_Case(aircraft, _model_key(aircraft), round(1.0 / fdm.get_delta_t()), speed_mps, height_m, climb_rad))
     if isinstance(balance, str):
         raise TrimFailedError(balance)
     _make_ready(fdm, aircraft, speed_mps, height_m, climb_rad)
@@ -171,6 +180,25 @@ def _trims(fdm: jsbsim.FGFDMExec) -> bool:
     except jsbsim.TrimFailureError:  # it leaves throttle and alpha at 0: do not fly on from there
         return False
     return True
+
+
+def trimmed(aircraft: Aircraft, start: Start, plant_hz: int, height_m: float, air_turns: bool = False) -> tuple[jsbsim.FGFDMExec, Trim]:
+    """A fresh executive with the aircraft in the trim of its start. Raises ``TrimFailedError``."""
+
+    def search() -> tuple[jsbsim.FGFDMExec, Trim]:
+        fdm = load_model(aircraft, plant_hz, air_turns)
+        return spool_up(fdm, aircraft, start, trim_level(fdm, aircraft, start.speed, height_m), height_m, air_turns)
+
+    if aircraft.model.start == "settled":
+        return search()
+
+    def fresh() -> jsbsim.FGFDMExec:
+        fdm = load_model(aircraft, plant_hz, air_turns)
+        _switch_on(fdm, aircraft, start.speed, height_m, 0.0)
+        return fdm
+
+    key = (*_model_key(aircraft), plant_hz, air_turns, start.speed, height_m, start.tangent[2])
+    return trimmed_again(key, fresh, search, lambda fdm, trim: begin(fdm, start, trim, height_m))
 
 
 def spool_up(

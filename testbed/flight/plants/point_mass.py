@@ -34,7 +34,7 @@ from testbed.core.frames import Vec3
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.air import Wind, ground_speed_along
 from testbed.flight.plants.aircraft import Aircraft
-from testbed.flight.plants.base import Command, Followable, PlantSetting, Start, State
+from testbed.flight.plants.base import Command, Followable, PlantSetting, Start, State, make
 from testbed.flight.plants.kinematic import coordinated
 
 NAN = math.nan
@@ -178,7 +178,7 @@ class PointMassPlant:
         return (*self._pos, *velocity, *angles, n, v, NAN, NAN, self._roll_rate, NAN, NAN, NAN, NAN, NAN, NAN, wx, wy, wz)
 
     def state(self, sample: Sequence[Any]) -> State:
-        return State._make(sample)
+        return make(State, sample)
 
     def air_rotation(self, sample: Sequence[Any]) -> tuple[float, float, float]:  # noqa: ARG002
         """A point has no wing that could feel it."""

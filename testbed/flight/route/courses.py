@@ -20,6 +20,11 @@ Directions = tuple[Array, Array, float]  # heading counter-clockwise and climb (
 Arc = tuple[float, float]  # length (m), turn (rad)
 
 
+def draws(route: Route) -> bool:
+    """Does it differ from seed to seed, and from replicate to replicate?"""
+    return isinstance(route.shape, Random)
+
+
 def route_pieces(plan: FlightPlan) -> list[Ends]:
     """The pieces of a plan's route, by their ends, as it is written (before any turn to level).
 

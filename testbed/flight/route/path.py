@@ -8,7 +8,7 @@ curves themselves. Before its start and past its end the path is straight.
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -54,6 +54,9 @@ class ActivePath(Chain):
         self._table: list[Row] = [(x, y, z, tx, ty, tz, kx, ky, kz) for x, y, z, tx, ty, tz, kx, ky, kz in rows.tolist()]
         self._last = len(self._table) - 1
         self._before = (*self._table[0][:6], 0.0, 0.0, 0.0)  # straight before the start, as the chain is
+
+    def __reduce__(self) -> tuple[type[Chain], tuple[Any, ...]]:
+        return ActivePath, (self.curves, self.begin_s_m)
 
     def rows_at(self, s1_m: float, s2_m: float, s3_m: float) -> tuple[Row, Row, Row]:
         """The nearest samples of three arc lengths (one call instead of three: guidance asks 60 times a second)."""

@@ -3,11 +3,14 @@
 Times of the plan come from it, and so do the obstacles of the *anchored* design, which keep the encounter of calm air in a wind.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import vec3
+from testbed.core.kept import Kept
 from testbed.flight.air import CALM, Wind
 from testbed.flight.traffic.straight import shifted
 from testbed.flight.traffic.track import Track
@@ -39,9 +42,9 @@ def ground_speeds(route: Chain, s_m: Array, plan: FlightPlan, wind: Wind) -> Arr
     """Speed over the ground (n,) at arc lengths (n,): the set airspeed in the mean wind of each place; 0 where the wind is too strong."""
     if keeps_speed(plan, wind):
         return np.full(len(s_m), plan.speed_mps)
-    points, tangents, _ = route.sample(s_m)
     if plan.air.wind.kind == "steady":
-        return _ground_speeds(tangents, plan.speed_mps, np.array(wind(0.0, vec3(points[0]))))
+        return _ground_speeds(route.tangents(s_m), plan.speed_mps, np.array(wind(0.0, route.frame(0.0)[0])))
+    points, tangents, _ = route.sample(s_m)
     return _ground_speeds(tangents, plan.speed_mps, np.array([wind(0.0, vec3(p)) for p in points]))
 
 
@@ -56,11 +59,24 @@ def arc_lengths(route: Chain, from_s_m: float, elapsed_s: Array, plan: FlightPla
     """Arc lengths (n,) after times (n,) from ``from_s_m`` on; past the end they grow at the set speed."""
     if keeps_speed(plan, wind):
         return from_s_m + plan.speed_mps * elapsed_s
-    s = np.linspace(0.0, route.length_m, FINE + 1)
-    slow = _slowness(ground_speeds(route, s, plan, wind))
-    time_s = np.append(0.0, np.cumsum(0.5 * (slow[1:] + slow[:-1]) * np.diff(s)))
+    s, time_s = _timetables.get((route, wind_key(plan)), lambda: _timetable(route, plan, wind))
     due = np.interp(from_s_m, s, time_s) + elapsed_s
     return np.where(due <= time_s[-1], np.interp(due, time_s, s), s[-1] + plan.speed_mps * (due - time_s[-1]))
+
+
+def wind_key(plan: FlightPlan) -> tuple[object, ...]:
+    """Everything that the speed over the ground of a point on a route depends on; as text, in which 0 and -0 differ."""
+    return (plan.speed_mps, plan.speed_hold, repr(plan.terrain_z_m), repr(plan.air.wind))
+
+
+def _timetable(route: Chain, plan: FlightPlan, wind: Wind) -> tuple[Array, Array]:
+    """Arc lengths of a whole route, and when a point is there."""
+    s = np.linspace(0.0, route.length_m, FINE + 1)
+    slow = _slowness(ground_speeds(route, s, plan, wind))
+    return s, np.append(0.0, np.cumsum(0.5 * (slow[1:] + slow[:-1]) * np.diff(s)))
+
+
+_timetables: Kept[tuple[Array, Array]] = Kept(16)  # of the routes; those of paths around obstacles pass through
 
 
 class Schedule:
@@ -74,6 +90,7 @@ class Schedule:
             raise ValueError("the wind is too strong for this route: no encounter can be anchored to it")
         self.time_s = np.concatenate([[0.0], np.cumsum(0.5 * (slow[1:] + slow[:-1]) * np.diff(self._s))])
 
+    @cached_property
     def points(self) -> Array:
         """Places (n,3) at ``time_s`` (n,)."""
         return self._route.points(self._s)
@@ -89,7 +106,7 @@ class Schedule:
 
         ``ValueError`` when the obstacle is never there.
         """
-        relative = track.sampled(self.time_s)[0] - self.points()
+        relative = track.sampled(self.time_s)[0] - self.points
         square = np.einsum("ij,ij->i", relative, relative)
         if np.isnan(square).all():
             raise ValueError(f"obstacle {track.name} is not there while the route is flown: it has no encounter to be anchored")

@@ -119,14 +119,20 @@ def least_clearance(time_s: Array, own_pos: Array, obstacle_pos: Array, radius_m
     """
     relative = own_pos - obstacle_pos
     good = np.isfinite(relative).all(axis=1)
-    joined = good[:-1] & good[1:]
-    if not good.any():
+    if not good.all():
+        if not good.any():
+            return Approach(np.nan, np.nan)
+        joined = good[:-1] & good[1:]
+        first, step, from_s, lasts = relative[:-1][joined], np.diff(relative, axis=0)[joined], time_s[:-1][joined], np.diff(time_s)[joined]
+        relative, time_s = relative[good], time_s[good]
+    elif len(time_s) == 0:
         return Approach(np.nan, np.nan)
-    first, step = relative[:-1][joined], np.diff(relative, axis=0)[joined]
+    else:
+        first, step, from_s, lasts = relative[:-1], relative[1:] - relative[:-1], time_s[:-1], time_s[1:] - time_s[:-1]
     square = np.einsum("ij,ij->i", step, step)
     share = np.clip(-np.einsum("ij,ij->i", first, step) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
-    points = np.vstack([relative[good], first + share[:, None] * step])
-    times = np.concatenate([time_s[good], time_s[:-1][joined] + share * np.diff(time_s)[joined]])
-    distance = np.linalg.norm(points, axis=1)
-    k = int(np.argmin(distance))
-    return Approach(float(distance[k]) - radius_m, float(times[k]))
+    at_samples, between = np.linalg.norm(relative, axis=1), np.linalg.norm(first + share[:, None] * step, axis=1)
+    k = int(np.argmin(at_samples))
+    if len(between) and between[j := int(np.argmin(between))] < at_samples[k]:
+        return Approach(float(between[j]) - radius_m, float(from_s[j] + share[j] * lasts[j]))
+    return Approach(float(at_samples[k]) - radius_m, float(time_s[k]))
