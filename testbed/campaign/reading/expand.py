@@ -15,6 +15,7 @@ from testbed.campaign.reading.draws import DrawError, drawn
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
 from testbed.campaign.words.grid import Part
+from testbed.campaign.words.limits import Limits
 from testbed.campaign.words.planning import PlannerSpec
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.population import NoEncounterError
@@ -83,6 +84,7 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         unsaid["vary"] = True
     if not plan.plugins:
         unsaid["plugins"] = True
+    unsaid["limits"] = True if plan.limits.of_a_flight() == Limits().of_a_flight() else {"wall_limit_s", "flights"}
     if not plan.study.part.flies:
         unsaid["study"] = True
     if plan.planner == PlannerSpec():
