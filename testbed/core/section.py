@@ -15,8 +15,8 @@ NonNegative = Annotated[Number, Field(ge=0)]
 class Between:
     """A bound of a number that says why it is there: what lies beyond would be no flight, or more than a computer holds."""
 
-    def __init__(self, least: float | None, most: float | None, why: str) -> None:
-        self.least, self.most, self.why = least, most, why
+    def __init__(self, why: str, least: float | None = None, most: float | None = None) -> None:
+        self.why, self.least, self.most = why, least, most
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_after_validator_function(self._checked, handler(source))
@@ -27,29 +27,35 @@ class Between:
 
     def _checked(self, value: float) -> float:
         if self.least is not None and value < self.least:
-            raise PydanticCustomError("out_of_bounds", "must be at least {limit}", {"limit": self.least, "words": "at least", "why": self.why})
+            raise self._beyond("at least", self.least)
         if self.most is not None and value > self.most:
-            raise PydanticCustomError("out_of_bounds", "must be at most {limit}", {"limit": self.most, "words": "at most", "why": self.why})
+            raise self._beyond("at most", self.most)
         return value
+
+    def _beyond(self, words: str, limit: float) -> PydanticCustomError:
+        context = {"words": words, "limit": limit, "why": self.why}
+        return PydanticCustomError("out_of_bounds", "must be {words} {limit}: {why}", context)
 
 
 FARTHEST_M = 200_000.0
 HIGHEST_M = 100_000.0
 LONGEST_S = 86_400.0
-_FLAT = "the ground is taken to be flat, which it is not farther away"
-_A_DAY = "that is a day, longer than any flight"
 
-Across = Annotated[Number, Between(-FARTHEST_M, FARTHEST_M, _FLAT)]
-Height = Annotated[Number, Between(-HIGHEST_M, HIGHEST_M, "there is no air to fly in beyond it")]
+Flat = Between("the ground is taken to be flat, which it is not farther away", -FARTHEST_M, FARTHEST_M)
+NoAir = Between("there is no air to fly in beyond it", -HIGHEST_M, HIGHEST_M)
+ADay = Between("that is a day, longer than any flight", -LONGEST_S, LONGEST_S)
+
+Across = Annotated[Number, Flat]
+Height = Annotated[Number, NoAir]
 Point = tuple[Across, Across, Height]
-Distance = Annotated[NonNegative, Between(None, FARTHEST_M, _FLAT)]
-Range = Annotated[Positive, Between(None, FARTHEST_M, _FLAT)]
+Distance = Annotated[NonNegative, Flat]
+Range = Annotated[Positive, Flat]
 """A distance that is not 0."""
-Radius = Annotated[Positive, Between(0.01, FARTHEST_M, "a centimetre is a point, and 200 km reach farther than the ground is flat")]
-Instant = Annotated[Number, Between(-LONGEST_S, LONGEST_S, _A_DAY)]
-Duration = Annotated[Positive, Between(None, LONGEST_S, _A_DAY)]
-TrafficSpeed = Annotated[NonNegative, Between(None, 3000.0, "nothing in the air is as fast")]
-Azimuth = Annotated[Number, Between(-3600.0, 3600.0, "that is ten turns")]
+Radius = Annotated[Positive, Between("less is a point, not a sphere", least=0.01), Flat]
+Instant = Annotated[Number, ADay]
+Duration = Annotated[Positive, ADay]
+TrafficSpeed = Annotated[NonNegative, Between("nothing in the air is as fast", most=3000.0)]
+Azimuth = Annotated[Number, Between("that is ten turns", -3600.0, 3600.0)]
 Elevation = Annotated[Number, Field(ge=-90, le=90)]
 Direction = tuple[Azimuth, Elevation]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_\-]*$", max_length=60)]

@@ -4,10 +4,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from testbed.core.section import FARTHEST_M, HIGHEST_M, Between, Direction, Distance, Instant, NonNegative, Number, Positive, Section
+from testbed.core.section import Between, Direction, Distance, Flat, Instant, NoAir, NonNegative, Number, Positive, Section
 
 WindSpeed = Annotated[NonNegative, Field(le=40)]
-Above = Annotated[Positive, Between(0.001, HIGHEST_M, "heights of the air are from a millimetre to 100 km")]
+Above = Annotated[Positive, Between("that is no height above the ground", least=0.001), NoAir]
 From = Annotated[Number, Field(ge=-360, le=360)]
 Severity = Literal["light", "moderate", "severe"]
 
@@ -52,7 +52,7 @@ class LogarithmicWind(Section):
     """Compass direction the wind comes FROM, deg."""
     reference_height_m: Above = 10.0
     """Height above the ground of speed_mps, m."""
-    roughness_m: Annotated[Positive, Between(1e-6, HIGHEST_M, "no ground is smoother, or as rough")] = 0.05
+    roughness_m: Annotated[Positive, Between("no ground is smoother", least=1e-6), NoAir] = 0.05
     """Roughness length of the ground, m. Grass: 0.05. MIL-F-8785C: 0.046 (0.15 ft) for landing, 0.61 (2 ft) for the rest."""
 
     @model_validator(mode="after")
@@ -99,7 +99,7 @@ class OneMinusCosineGust(_DiscreteGust):
     """Rises as (1 - cos)/2 over a length, holds, and falls as it rose (MIL-F-8785C 3.7.1.3 rises and holds)."""
 
     kind: Literal["one_minus_cosine"]
-    rise_m: Annotated[Positive, Between(0.01, FARTHEST_M, "a shorter rise is a step, a longer one no gust")]
+    rise_m: Annotated[Positive, Between("that is a step gust", least=0.01), Flat]
     """Length from nothing to full strength (the gust length d_m of MIL-F-8785C), m. A gust in time passes at the set speed."""
     hold_m: Distance | None = 0.0
     """Length at full strength, m; empty: it never falls, as in MIL-F-8785C."""

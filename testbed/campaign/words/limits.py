@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from testbed.core.section import LONGEST_S, Between, Duration, Number, Section, Whole
+from testbed.core.section import ADay, Between, Duration, Number, Section, Whole
 
 ROW_BYTES = 1400
 OBSTACLE_BYTES = 60
@@ -16,9 +16,11 @@ class Limits(Section):
 
     flight_s: Duration = 3600.0
     """Longest flight, s of its own time: it is `timed_out` then, as it is after three times its planned time."""
-    log_mb: Annotated[Number, Between(10.0, 100_000.0, "an empty flight takes 10 MB, no computer has more than 100 GB")] = 350.0
+    log_mb: Annotated[
+        Number, Between("it holds no flight", least=10.0), Between("it is there to protect the computer's", most=100_000.0)
+    ] = 350.0
     """Memory for one flight, MB: a row a tick, longer with each obstacle. A flight with a row too many for it is `timed_out`."""
-    wall_limit_s: Annotated[Number, Field(gt=0), Between(0.1, LONGEST_S, "a flight takes longer than 0.1 s; a day is for ever")] = 300.0
+    wall_limit_s: Annotated[Number, Field(gt=0), Between("no flight is that quick", least=0.1), ADay] = 300.0
     """Longest that one flight may keep its worker, s of the clock on the wall: one that hangs is ended, and is a `crashed` row."""
     flights: Annotated[Whole, Field(ge=1, le=10_000_000)] = 1_000_000
     """Most flights of the campaign: cells times replicates. A campaign with more is refused before any of them is made."""

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Magnitude
-from testbed.core.section import Between, Distance, Duration, NonNegative, Number, Positive, Range, Section
+from testbed.core.section import Between, Distance, Duration, NonNegative, Number, Range, Section
 from vosc import Obstacle, Own
 from vosc.methods import checked_choice
 
@@ -92,7 +92,7 @@ class Replan(Section):
     direction at once; a kinematic plant's velocity then jumps to it."""
     rejoin: Rejoin = Rejoin()
     """How the flight comes back."""
-    k: Annotated[Number, Field(ge=1), Between(None, 1000.0, "the insertion point would be nowhere near the obstacle")] = 1.25
+    k: Annotated[Number, Field(ge=1), Between("the insertion point would be nowhere near the obstacle", most=1000.0)] = 1.25
     """The insertion point lies k radii ahead of the obstacle's centre, along its velocity (eq. 35)."""
     time_rule: Literal["arrival", "paper_4_3_2"] = "arrival"
     """When the insertion point is reached: arrival (own travel time to it) or the rule of section 4.3.2."""
@@ -106,5 +106,5 @@ class Replan(Section):
     """air: velocities less the known wind, own sphere of radius airspeed. ground_naive: velocities over the ground, as in calm air."""
     wind_known: Literal["exact", "estimated", "none"] = "exact"
     """What the planner knows of the mean wind where it is: all of it, with an error that is drawn once a flight, or nothing."""
-    wind_estimate_sigma_mps: Annotated[NonNegative, Between(None, 100.0, "no wind is as strong")] = 1.0
+    wind_estimate_sigma_mps: Annotated[NonNegative, Between("no wind is as strong", most=100.0)] = 1.0
     """Standard deviation of the error of an estimated wind, for each horizontal component, m/s."""

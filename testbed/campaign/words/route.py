@@ -93,7 +93,9 @@ class Swerve(Section):
         return self
 
 
-TightRadius = Annotated[Positive, Between(1.0, 5000.0, "smaller is no bend to fly, and a larger one makes a path longer than a computer can hold")]
+TightRadius = Annotated[
+    Positive, Between(1.0, 5000.0, "smaller is no bend to fly, and a larger one makes a path longer than a computer can hold")
+]
 
 
 class Random(Section):

@@ -36,7 +36,6 @@ from testbed.core.section import (
     Whole,
 )
 
-
 MOST_OBSTACLES = 2000
 
 
@@ -188,7 +187,7 @@ class Vary(Section):
 class FlightSettings(Section):
     """Everything one flight needs, apart from who it is."""
 
-    speed_mps: Annotated[Positive, Field(le=1000), Between(1.0, None, "nothing that flies is slower")] = 50.0
+    speed_mps: Annotated[Positive, Field(le=1000), Between("nothing that flies is slower", least=1.0)] = 50.0
     """Set speed, m/s. Where the plant flies the aircraft, one that it can hold: `limits` of its aircraft.yaml."""
     speed_hold: Literal["airspeed", "groundspeed"] = "airspeed"
     """Which speed is held at speed_mps."""

@@ -11,15 +11,17 @@ from typing import Protocol
 
 import numpy as np
 
+from testbed.campaign.words.route import LONGEST_ROUTE_M
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
 from testbed.core.units import DEG, G0_MPS2
+from testbed.flight.impossible import NoWayError
 from testbed.flight.planning.context import Context
 from testbed.flight.plants.base import State
 from testbed.flight.route.path import ActivePath
 from testbed.flight.sensing.base import Seen
 from testbed.flight.traffic.track import least_clearance
-from vosc import ph
+from vosc import Degenerate, ph
 from vosc.vec import add, norm, scale
 
 HELD_M = 600.0  # length of the path along a direction that is held; flights go on straight past it
@@ -29,20 +31,32 @@ AHEAD_S = np.arange(1.0, 12.5, 0.5)  # where on the route to come back to, in fl
 
 
 def joined(start: Vec3, along: Vec3, end: Vec3, along_there: Vec3, magnitude_chords: float) -> ph.Curve:
-    """The PH curve between two points in two directions, end tangents ``magnitude_chords`` long. Raises as ``ray`` does."""
-    size = magnitude_chords * math.dist(start, end)
-    return ph.hermite(start, resized(along, size), end, resized(along_there, size))
+    """The PH curve between two points in two directions, end tangents ``magnitude_chords`` long. Raises ``NoWayError``."""
+    chord_m = math.dist(start, end)
+    if not chord_m <= LONGEST_ROUTE_M:
+        raise NoWayError(f"it would be {chord_m / 1000.0:,.0f} km long; at most {LONGEST_ROUTE_M / 1000.0:g} km")
+    size = magnitude_chords * chord_m
+    return _curve(start, resized(along, size), end, resized(along_there, size))
+
+
+def _curve(start: Vec3, along: Vec3, end: Vec3, along_there: Vec3) -> ph.Curve:
+    try:
+        return ph.hermite(start, along, end, along_there)
+    except Degenerate as error:
+        raise NoWayError(str(error)) from error
 
 
 def resized(vector: Vec3, size: float) -> Vec3:
-    """The vector scaled to a length."""
-    return scale(size / norm(vector), vector)
+    """The vector scaled to a length. Raises ``NoWayError`` when it has no direction."""
+    if (length := norm(vector)) == 0.0:
+        raise NoWayError("it would begin or end at a standstill, which has no direction")
+    return scale(size / length, vector)
 
 
 def ray(point: Vec3, velocity: Vec3) -> ph.Curve:
-    """The straight line in the direction of a velocity. ``ValueError`` or ``ZeroDivisionError`` when it has none."""
+    """The straight line in the direction of a velocity. Raises ``NoWayError`` when it has none."""
     arrow = resized(velocity, HELD_M)
-    return ph.hermite(point, arrow, add(point, arrow), arrow)
+    return _curve(point, arrow, add(point, arrow), arrow)
 
 
 class ByArcLength(Protocol):
@@ -55,7 +69,8 @@ class ByArcLength(Protocol):
 
 def miss_along(path: ByArcLength, s_m: float, speed_mps: float, time_s: float, obstacles: Sequence[Seen]) -> float:
     """Least distance (m) to the centre of any of the obstacles along the rest of a path, flown on at that speed; infinite for none."""
-    elapsed = np.arange(0.0, min(PREDICTED_S, max(path.length_m - s_m, 1.0) / speed_mps), PREDICTION_STEP_S)
+    lasts_s = max(path.length_m - s_m, 1.0) / speed_mps if speed_mps > 0.0 else PREDICTED_S
+    elapsed = np.arange(0.0, min(PREDICTED_S, lasts_s), PREDICTION_STEP_S)
     points = path.points(s_m + speed_mps * elapsed)
     centres = (np.asarray(seen.at(time_s)) + np.outer(elapsed, seen.vel) for seen in obstacles)
     return min((least_clearance(elapsed, points, centre, 0.0).clearance_m for centre in centres), default=math.inf)
@@ -83,7 +98,7 @@ class Rejoin:
         velocity = (state.vx, state.vy, state.vz)
         try:
             curves = self.curves((state.x, state.y, state.z), velocity)
-        except (ValueError, ZeroDivisionError):  # at the goal
+        except NoWayError:  # at the goal
             return None
         way, speed = Chain(curves), norm(velocity)
         kept = (miss_along(way, 0.0, speed, time_s, [seen]) - seen.radius_m for seen in known)

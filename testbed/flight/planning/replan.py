@@ -30,6 +30,7 @@ from time import thread_time
 from typing import Any, NamedTuple
 
 from testbed.core.frames import Vec3, vec3
+from testbed.flight.impossible import NoWayError
 from testbed.flight.planning.context import STILL, Answer, Context, Step
 from testbed.flight.planning.decision import Sighting, carried, make_event
 from testbed.flight.planning.rejoin import Rejoin, joined, miss_along, ray
@@ -145,7 +146,7 @@ class Replanner:
             there = joined(start, add(own.vel_mps, wind), middle, command, settings.magnitude_chords)
             on = (ray(middle, command),) if settings.rejoin.when == "clear" else self._rejoin.curves(middle, command)
             return ActivePath((there, *on))
-        except (ValueError, ZeroDivisionError):  # coincident points; a command that stands still over the ground
+        except NoWayError:  # coincident points; a command that stands still over the ground
             return None
 
     def _steered(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
