@@ -16,9 +16,7 @@ class Limits(Section):
 
     flight_s: Duration = 3600.0
     """Longest flight, s of its own time: it is `timed_out` then, as it is after three times its planned time."""
-    log_mb: Annotated[
-        Number, Between("it holds no flight", least=10.0), Between("it is there to protect the computer's", most=100_000.0)
-    ] = 350.0
+    log_mb: Annotated[Number, Between("that holds no flight", least=10.0), Between("that is no limit", most=100_000.0)] = 350.0
     """Memory for one flight, MB: a row a tick, longer with each obstacle. A flight with a row too many for it is `timed_out`."""
     wall_limit_s: Annotated[Number, Field(gt=0), Between("no flight is that quick", least=0.1), ADay] = 300.0
     """Longest that one flight may keep its worker, s of the clock on the wall: one that hangs is ended, and is a `crashed` row."""

@@ -5,11 +5,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from testbed.core.section import FARTHEST_M, Between, Direction, Number, Point, Positive, Section, Whole
+from testbed.core.section import Between, Direction, Flat, Number, Point, Positive, Section, Whole
 
 Side = Literal["left", "right"]
-Magnitude = Annotated[Positive, Field(le=3), Between(0.01, None, "shorter end tangents make a kink of either end")]
-Stretch = Annotated[Positive, Between(1.0, FARTHEST_M, "a metre is no stretch to fly, and 200 km reach farther than the ground is flat")]
+Magnitude = Annotated[Positive, Field(le=3), Between("shorter tangents make a kink of either end", least=0.01)]
+Stretch = Annotated[Positive, Between("less is no stretch to fly", least=1.0), Flat]
 LONGEST_ROUTE_M = 200_000.0
 LONGEST_SWERVE_M = 50_000.0  # it is built from a point every 5 cm
 NEAREST_GOAL_M = 1.0
@@ -31,7 +31,7 @@ class Circle(Section):
     kind: Literal["circle"]
     radius_m: Stretch
     """Radius, m."""
-    turns: Annotated[Positive, Field(le=100), Between(0.001, None, "less is no curve")] = 1.0
+    turns: Annotated[Positive, Field(le=100), Between("less is no curve", least=0.001)] = 1.0
     """How often around."""
     side: Side = "left"
     """To which side it turns."""
@@ -75,7 +75,7 @@ class Swerve(Section):
     """A level S-swerve: the heading goes to and fro as a cosine, so that the curvature is zero at either end."""
 
     kind: Literal["swerve"]
-    heading_deg: Annotated[Positive, Field(le=60), Between(0.001, None, "less is a straight line")] = 15.0
+    heading_deg: Annotated[Positive, Field(le=60), Between("less is a straight line", least=0.001)] = 15.0
     """To either side of the mean direction, deg."""
     swing_m: Stretch = 150.0
     """Path length from one side to the other, m."""
@@ -93,9 +93,7 @@ class Swerve(Section):
         return self
 
 
-TightRadius = Annotated[
-    Positive, Between(1.0, 5000.0, "smaller is no bend to fly, and a larger one makes a path longer than a computer can hold")
-]
+TightRadius = Annotated[Positive, Between("less is no bend to fly", least=1.0), Between("no computer holds a longer path", most=5000.0)]
 
 
 class Random(Section):

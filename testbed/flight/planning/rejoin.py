@@ -7,18 +7,17 @@ no second conflict. Predictions hold the present speed over the ground; obstacle
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from testbed.campaign.words.route import LONGEST_ROUTE_M
-from testbed.core.chain import Chain
+from testbed.core.chain import FEW, Chain
 from testbed.core.frames import Vec3
 from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.impossible import NoWayError
 from testbed.flight.planning.context import Context
 from testbed.flight.plants.base import State
-from testbed.flight.route.path import ActivePath
 from testbed.flight.sensing.base import Seen
 from testbed.flight.traffic.track import least_clearance
 from vosc import Degenerate, ph
@@ -27,7 +26,11 @@ from vosc.vec import add, norm, scale
 HELD_M = 600.0  # length of the path along a direction that is held; flights go on straight past it
 PREDICTED_S = 12.0  # how far ahead the rest of a flight is looked at
 PREDICTION_STEP_S = 0.05  # between samples obstacle and aircraft move straight
+ROUND_ABOUT = 2.0  # a route is at most so much longer than the straight line between two of its places: half a circle has 1.57
 AHEAD_S = np.arange(1.0, 12.5, 0.5)  # where on the route to come back to, in flight times ahead of the nearest point
+
+
+FAR_AHEAD_S = np.concatenate([AHEAD_S, np.arange(15.0, 61.0, 3.0)])  # of a course that bends away, and comes round again
 
 
 def joined(start: Vec3, along: Vec3, end: Vec3, along_there: Vec3, magnitude_chords: float) -> ph.Curve:
@@ -83,6 +86,13 @@ def opens(state: State, seen: Seen, time_s: float) -> bool:
     return (x - state.x) * (wx - state.vx) + (y - state.y) * (wy - state.vy) + (z - state.z) * (wz - state.vz) > 0.0
 
 
+class Way(NamedTuple):
+    """A way back: its pieces, and what the route's arc length is more than the way's once it is on the route; NaN where it never is."""
+
+    curves: tuple[ph.Curve, ...]
+    ahead_m: float = math.nan
+
+
 class Rejoin:
     """The way back of one flight."""
 
@@ -91,34 +101,52 @@ class Rejoin:
         self._context = context
         self._most_curvature = G0_MPS2 * math.tan(self._settings.bank_deg * DEG) / context.speed_mps**2
 
-    def when_clear(self, time_s: float, state: State, known: Sequence[Seen]) -> ActivePath | None:
-        """The way back from the present state, once it is clear of all that is ``known``; None while it is not."""
+    def when_clear(self, time_s: float, state: State, known: Sequence[Seen], left_s_m: float) -> Way | None:
+        """The way back from the present state, once it is clear of all that is ``known``; None while it is not.
+
+        Raises ``NoWayError`` at the goal, or too near to the route to turn to it.
+        """
         if not all(opens(state, seen, time_s) for seen in known):
             return None
         velocity = (state.vx, state.vy, state.vz)
-        try:
-            curves = self.curves((state.x, state.y, state.z), velocity)
-        except NoWayError:  # at the goal
-            return None
-        way, speed = Chain(curves), norm(velocity)
-        kept = (miss_along(way, 0.0, speed, time_s, [seen]) - seen.radius_m for seen in known)
-        return ActivePath(curves) if all(clearance >= self._settings.margin_m for clearance in kept) else None
+        way = self.way((state.x, state.y, state.z), velocity, left_s_m)
+        chain, speed = Chain(way.curves), norm(velocity)
+        kept = (miss_along(chain, 0.0, speed, time_s, [seen]) - seen.radius_m for seen in known)
+        return way if all(clearance >= self._settings.margin_m for clearance in kept) else None
 
-    def curves(self, point: Vec3, velocity: Vec3) -> tuple[ph.Curve, ...]:
-        """PH pieces from a point, along a velocity over the ground, to the goal or to the route and along it."""
-        if self._settings.to == "route" and (way := self._to_route(point, velocity)):
+    def way(self, point: Vec3, velocity: Vec3, left_s_m: float) -> Way:
+        """PH pieces from a point, along a velocity over the ground, to the goal or to the route and along it.
+
+        ``left_s_m``: arc length at which the flight left the route. Raises ``NoWayError``.
+        """
+        if self._settings.to == "route" and (way := self._to_route(point, velocity, left_s_m)):
             return way
-        return (joined(point, velocity, self._context.goal, self._context.goal_tangent, self._magnitude),)
+        return Way((joined(point, velocity, self._context.goal, self._context.goal_tangent, self._magnitude),))
 
-    def _to_route(self, point: Vec3, velocity: Vec3) -> tuple[ph.Curve, ...]:
-        """To the first point of the route that can be reached within the bank that is set aside for it; empty when there is none."""
+    def _to_route(self, point: Vec3, velocity: Vec3, left_s_m: float) -> Way | None:
+        """To the first point of the route that can be reached within the bank that is set aside for it; None where it is at its end.
+
+        On a route of many pieces the goal is no way out: it may lie where the flight began, laps away. So there is then no way yet.
+        """
         route = self._context.route
-        nearest = float(route.nearest(np.asarray(point)[None])[0][0])
-        for s_m in nearest + norm(velocity) * AHEAD_S:
+        many = len(route.curves) > FEW
+        for s_m in self._nearest(point, norm(velocity), left_s_m) + norm(velocity) * (FAR_AHEAD_S if many else AHEAD_S):
             if s_m >= route.length_m - 1.0:
-                break
+                return None
             target, tangent, _ = route.frame(float(s_m))
             join = joined(point, velocity, target, tangent, self._magnitude)
             if join.max_curvature() <= self._most_curvature:
-                return (join, *route.tail(float(s_m)))
-        return ()
+                return Way((join, *route.tail(float(s_m))), float(s_m) - join.length_m)
+        if many:
+            raise NoWayError(f"the route is too near to turn to it with {self._settings.bank_deg:g} deg of bank")
+        return None
+
+    def _nearest(self, point: Vec3, speed_mps: float, left_s_m: float) -> float:
+        """Arc length of the route's nearest point; where it passes a place on every lap, of the lap that the flight left."""
+        route = self._context.route
+        if len(route.curves) <= FEW:
+            return float(route.nearest(np.asarray(point)[None])[0][0])
+        reach_m = ROUND_ABOUT * math.dist(route.frame(left_s_m)[0], point) + speed_mps * float(AHEAD_S[-1])
+        first, last = route.leg(left_s_m), route.leg(min(left_s_m + reach_m, route.length_m))
+        within = Chain(route.curves[first : last + 1]).nearest(np.asarray(point)[None])[0][0]
+        return max(left_s_m, route.starts_m[first] + float(within))
