@@ -13,6 +13,7 @@ from testbed.campaign.reading.document import Assignment, Document, Fault, NoSuc
 from testbed.campaign.reading.draws import DrawError, extremes
 from testbed.campaign.reading.expand import plans_of_cells, suspects
 from testbed.campaign.reading.nodes import Tree
+from testbed.campaign.reading.possible import impossible, unseen
 from testbed.campaign.reading.problems import Problem, SpecError
 from testbed.campaign.words.grid import Draw, Part
 from testbed.campaign.words.population import OBSTACLE_NAME, Encounters, NoEncounterError
@@ -74,7 +75,7 @@ def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part) -> list[
         if isinstance(plan, FlightPlan):
             speeds[plan.speed_mps] = None
             try:
-                found = {fault: document.problem(fault) for fault in unfit(plan) if fault not in problems}
+                found = {fault: document.problem(fault) for fault in _amiss(plan, part) if fault not in problems}
             except SpecError as error:
                 problems |= {str(problem): problem for problem in error.problems}
                 continue
@@ -88,6 +89,14 @@ def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part) -> list[
             if one and key not in problems:
                 problems[key] = replace(one, message=f"{one.message} (in the cell '{block.cell_id(cell)}')")
     return [*problems.values(), *_of_encounters(campaign, block, part, list(speeds))]
+
+
+def _amiss(plan: FlightPlan, part: Part | None = None) -> list[Fault]:
+    """What keeps a plan from being flown, by its aircraft or by anybody. Raises ``SpecError`` when the aircraft's files are wrong."""
+    found = [*unfit(plan), *impossible(plan)]
+    if part and part.encounters and not found and (why := unseen(plan, part.encounters.radius_m[1])):
+        found = [Fault(("encounters", "radius_m"), why)]
+    return found
 
 
 def _of_draws(draws: dict[str, Draw], block: Block, document: Document, plan: FlightPlan) -> Iterator[Problem]:
@@ -111,7 +120,7 @@ def _of_draws(draws: dict[str, Draw], block: Block, document: Document, plan: Fl
         drawn = document.assign(made)
         try:
             flown = FlightPlan.model_validate({**drawn.data, **who})
-            yield from (found for fault in unfit(flown) if (found := drawn.problem(fault)))
+            yield from (found for fault in _amiss(flown) if (found := drawn.problem(fault)))
         except ValidationError as error:
             yield from (found for fault in faults_of(error) if (found := drawn.problem(fault, made)))
 
