@@ -111,10 +111,9 @@ def _behind(plan: FlightPlan, curve: ph.Curve | None) -> Iterator[Fault]:
     by_lift = math.inf if "load_factor" in ideal else math.sqrt(max(limits.load_factor_max**2 - 1.0, 1e-6))
     tightest_m = plan.speed_mps**2 / (G0_MPS2 * min(by_bank, by_lift))
     if curve.min_radius_m < tightest_m:
-        what = f"lies behind the start: the path to it has a bend of {curve.min_radius_m:.0f} m"
-        yield Fault(
-            ("route", "goal_enu_m"), f"{what}, and {plan.aircraft} turns no tighter than {tightest_m:.0f} m at {plan.speed_mps:g} m/s"
-        )
+        bend = f"lies behind the start: the path to it has a bend of {curve.min_radius_m:.0f} m radius"
+        turns = f"{plan.aircraft} turns no tighter than {tightest_m:.0f} m at {plan.speed_mps:g} m/s"
+        yield Fault(("route", "goal_enu_m"), f"{bend}, and {turns}")
 
 
 def start_airspeed(plan: FlightPlan) -> float | None:

@@ -30,6 +30,8 @@ ROUND_ABOUT = 2.0  # a route is at most so much longer than the straight line be
 AHEAD_S = np.arange(1.0, 12.5, 0.5)  # where on the route to come back to, in flight times ahead of the nearest point
 
 
+LOOKED_AT = np.linspace(0.0, 1.0, 17)  # shares of a way's length
+TIGHTER = 1.000001  # rounding must not refuse a way
 FAR_AHEAD_S = np.concatenate([AHEAD_S, np.arange(15.0, 61.0, 3.0)])  # of a course that bends away, and comes round again
 
 
@@ -101,7 +103,7 @@ class Rejoin:
         self._context = context
         self._most_curvature = G0_MPS2 * math.tan(self._settings.bank_deg * DEG) / context.speed_mps**2
 
-    def when_clear(self, time_s: float, state: State, known: Sequence[Seen], left_s_m: float) -> Way | None:
+    def when_clear(self, time_s: float, state: State, known: Sequence[Seen], left_s_m: float, now: bool) -> Way | None:
         """The way back from the present state, once it is clear of all that is ``known``; None while it is not.
 
         Raises ``NoWayError`` at the goal, or too near to the route to turn to it.
@@ -109,37 +111,48 @@ class Rejoin:
         if not all(opens(state, seen, time_s) for seen in known):
             return None
         velocity = (state.vx, state.vy, state.vz)
-        way = self.way((state.x, state.y, state.z), velocity, left_s_m)
+        way = self.way((state.x, state.y, state.z), velocity, left_s_m, now)
         chain, speed = Chain(way.curves), norm(velocity)
         kept = (miss_along(chain, 0.0, speed, time_s, [seen]) - seen.radius_m for seen in known)
         return way if all(clearance >= self._settings.margin_m for clearance in kept) else None
 
-    def way(self, point: Vec3, velocity: Vec3, left_s_m: float) -> Way:
+    def way(self, point: Vec3, velocity: Vec3, left_s_m: float, now: bool) -> Way:
         """PH pieces from a point, along a velocity over the ground, to the goal or to the route and along it.
 
-        ``left_s_m``: arc length at which the flight left the route. Raises ``NoWayError``.
+        ``left_s_m``: arc length at which the flight left the route. ``now``: it cannot wait for a gentler way. Raises ``NoWayError``.
         """
-        if self._settings.to == "route" and (way := self._to_route(point, velocity, left_s_m)):
+        if self._settings.to == "route" and (way := self._to_route(point, velocity, left_s_m, now)):
             return way
         return Way((joined(point, velocity, self._context.goal, self._context.goal_tangent, self._magnitude),))
 
-    def _to_route(self, point: Vec3, velocity: Vec3, left_s_m: float) -> Way | None:
+    def _to_route(self, point: Vec3, velocity: Vec3, left_s_m: float, now: bool) -> Way | None:
         """To the first point of the route that can be reached within the bank that is set aside for it; None where it is at its end.
 
-        On a route of many pieces the goal is no way out: it may lie where the flight began, laps away. So there is then no way yet.
+        On a route of many pieces the goal is no way out: it may lie where the flight began, laps away. There is then no way yet; or, for
+        who must turn now, the gentlest that there is.
         """
         route = self._context.route
         many = len(route.curves) > FEW
+        tight: list[tuple[ph.Curve, float]] = []
         for s_m in self._nearest(point, norm(velocity), left_s_m) + norm(velocity) * (FAR_AHEAD_S if many else AHEAD_S):
             if s_m >= route.length_m - 1.0:
                 return None
             target, tangent, _ = route.frame(float(s_m))
             join = joined(point, velocity, target, tangent, self._magnitude)
-            if join.max_curvature() <= self._most_curvature:
+            if self._gentle(join):
                 return Way((join, *route.tail(float(s_m))), float(s_m) - join.length_m)
+            tight.append((join, float(s_m)))
+        if many and now:
+            join, there_m = min(tight, key=lambda one: one[0].max_curvature())
+            return Way((join, *route.tail(there_m)), there_m - join.length_m)
         if many:
             raise NoWayError(f"the route is too near to turn to it with {self._settings.bank_deg:g} deg of bank")
         return None
+
+    def _gentle(self, join: ph.Curve) -> bool:
+        """Within the bank; most that are not show it at a few places, which cost a fiftieth of the exact extreme."""
+        bends = np.linalg.norm(join.sample(LOOKED_AT * join.length_m)[2], axis=1)
+        return not (bends > TIGHTER * self._most_curvature).any() and join.max_curvature() <= self._most_curvature
 
     def _nearest(self, point: Vec3, speed_mps: float, left_s_m: float) -> float:
         """Arc length of the route's nearest point; where it passes a place on every lap, of the lap that the flight left."""

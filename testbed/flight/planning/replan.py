@@ -45,6 +45,7 @@ from vosc import Insertion, Own, insertion_point
 from vosc.methods import Avoidance, Status, avoid
 from vosc.vec import add, norm, sub
 
+HELD_ON_S = 1.0  # so long before its end a path that is held is left, whatever the way back
 AGAIN_S = 0.5  # after so long a way back to a route of many pieces is looked for again: the search takes long
 NO_ONE: Mapping[str, Seen] = {}
 
@@ -97,7 +98,8 @@ class Replanner:
             sightings = [Sighting.of(one, time_s, own, wind, self._settings) for one in seen]
             if any(sighting.obstacle.is_threat and sighting.seen.name not in memory.handled for sighting in sightings):
                 return self._answer(memory, time_s, state, sightings, path, s_m)
-        return self._back(memory, time_s, state, seen) if holds else (memory, None, None)
+        ends = path.lasting and s_m >= path.length_m - HELD_ON_S * norm((state.vx, state.vy, state.vz))
+        return self._back(memory, time_s, state, seen, ends) if holds else (memory, None, None)
 
     def _own(self, time_s: float, state: State) -> tuple[Own, Vec3]:
         """The aircraft in the planner's frame, and the wind that this frame moves with."""
@@ -157,14 +159,14 @@ class Replanner:
             there = joined(start, add(own.vel_mps, wind), middle, command, settings.magnitude_chords)
             if settings.rejoin.when == "clear":
                 return Way((there, ray(middle, command)))
-            on = self._rejoin.way(middle, command, left_s_m)
+            on = self._rejoin.way(middle, command, left_s_m, now=True)
             return Way((there, *on.curves), on.ahead_m - there.length_m)
         except NoWayError:  # coincident points; a command that stands still over the ground
             return None
 
     def _steered(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
         """The way back, once the flight is clear; until then what the law says."""
-        back = self._back(memory, time_s, state, seen)
+        back = self._back(memory, time_s, state, seen, ends=False)
         return self._steer(memory, time_s, state, seen, s_m) if back.path is None else back
 
     def _steer(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
@@ -176,14 +178,14 @@ class Replanner:
             raise ValueError(f"a law must return (memory, Steer), not {answer!r}")
         return Step(memory._replace(law=answer[:1]), arc(answer[1], state, s_m))
 
-    def _back(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen]) -> Step:
-        """The way back, once the flight is clear of what was answered and of what is in sight."""
+    def _back(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], ends: bool) -> Step:
+        """The way back, once the flight is clear of what was answered and of what is in sight. ``ends``: the path that is held does."""
         in_sight = {one.name for one in seen}
         known = [one for name, one in memory.known.items() if name in memory.handled or name in in_sight]
         if time_s < memory.not_before_s:
             return Step(memory)
         try:
-            way = self._rejoin.when_clear(time_s, state, known, memory.left_s_m)
+            way = self._rejoin.when_clear(time_s, state, known, memory.left_s_m, ends)
         except NoWayError:
             return Step(memory._replace(not_before_s=time_s + self._again_s))
         if way is None:
