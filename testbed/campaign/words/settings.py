@@ -36,7 +36,7 @@ from testbed.core.section import (
     Whole,
 )
 
-MOST_OBSTACLES = 2000
+MOST_OBSTACLES = 1000
 
 
 def _known(what: str, name: str, known: Iterable[str]) -> str:
@@ -48,6 +48,8 @@ def _known(what: str, name: str, known: Iterable[str]) -> str:
 
 
 def _names_differ(obstacles: "tuple[ObstacleSpec, ...]") -> "tuple[ObstacleSpec, ...]":
+    if len(obstacles) > MOST_OBSTACLES:
+        raise ValueError(f"{len(obstacles):,} obstacles; at most {MOST_OBSTACLES:,}, which a planner can look at in time")
     names = [obstacle.name for obstacle in obstacles]
     if len(set(names)) != len(names):
         raise ValueError(f"obstacle names must differ: {', '.join(names)}")
@@ -199,7 +201,7 @@ class FlightSettings(Section):
     """Height of the flat ground in the ENU frame, m."""
     begin: Begin = Begin(at_route_s_m=0.0)
     """Where on the route the flight starts."""
-    obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=MOST_OBSTACLES), AfterValidator(_names_differ)] = ()
+    obstacles: Annotated[tuple[ObstacleSpec, ...], AfterValidator(_names_differ)] = ()
     """Moving spheres."""
     traffic: Traffic = Traffic()
     """How obstacles take part in the wind."""
