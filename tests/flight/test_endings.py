@@ -171,9 +171,8 @@ def test_a_way_back_leads_to_the_lap_that_was_left() -> None:
     crosses |= {"when": {"time_s": (2 * lap + 300) / 50}}
     route = {"start_enu_m": [0, 0, 0], "start_direction_deg": [0, 0], "shape": shape}
     replan = {"answer": "direct", "swell_m": 8, "rejoin": {"to": "route"}}
-    record = fly(
-        plan(route=route, plant={"kind": "kinematic"}, obstacles=[crosses], sensor={"range_m": 200}, replan=replan, rates={"plant_hz": 60})
-    )
+    seen = {"sensor": {"range_m": 200}, "replan": replan, "rates": {"plant_hz": 60}}
+    record = fly(plan(route=route, plant={"kind": "kinematic"}, obstacles=[crosses], **seen))
     assert [event.decision for event in record.events] == ["replanned", "rejoined"]
     assert record.outcome is Outcome.REACHED
     assert record.columns["time_s"][-1] == pytest.approx(4 * lap / 50.0, abs=4.0)
