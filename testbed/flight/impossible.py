@@ -1,10 +1,10 @@
 """What cannot be, by name: a plan that no flight can follow, a way that leads nowhere. Each is an outcome or an event, told by its text.
 
-Whoever plans or flies catches these and no other: a ``ValueError`` is a fault of the program, and must not pass for an answer.
+Whoever plans or flies catches these and no other: any other ``ValueError`` is a fault of the program, and must not pass for an answer.
 """
 
 
-class ImpossibleError(Exception):
+class ImpossibleError(ValueError):
     """What was asked for cannot be; the text is for users."""
 
 
