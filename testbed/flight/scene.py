@@ -1,11 +1,14 @@
 """The stage of a flight: route, where it begins, and every obstacle's track, in the frame that is flown."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from testbed.campaign.words.limits import longest_flight
+from testbed.campaign.words.route import LONGEST_ROUTE_M
 from testbed.campaign.words.settings import FlightPlan, Point
 from testbed.core import registry
 from testbed.core.chain import Chain
@@ -14,13 +17,15 @@ from testbed.core.kept import Kept
 from testbed.core.seeds import stream
 from testbed.core.units import DEG
 from testbed.flight.air import CALM, AirModel, Wind, make_air, make_wind
-from testbed.flight.route.courses import draws, route_pieces
+from testbed.flight.impossible import NoMeetingError, NoRouteError
+from testbed.flight.route.courses import Ends, draws, route_pieces
 from testbed.flight.route.path import ActivePath
 from testbed.flight.traffic import TRACKS
 from testbed.flight.traffic.schedule import Schedule, anchored, planned_time, wind_key
 from testbed.flight.traffic.straight import shifted
 from testbed.flight.traffic.track import Track, TrackSetting, Traffic
-from vosc import ph
+from vosc import Degenerate, ph
+from vosc.ph_curve import CUSP
 
 Array = np.ndarray
 TIME_OUT = 3.0  # times the planned time
@@ -39,6 +44,7 @@ class Scene:
     goal_tangent: Vec3
     air: AirModel
     longest_s: float  # a flight that takes longer has timed out
+    limit: str = ""  # the setting that makes it so short; empty: it is ``TIME_OUT`` times the planned time
 
     @property
     def tracks(self) -> tuple[Track, ...]:
@@ -71,12 +77,14 @@ _schedules: Kept[Schedule] = Kept(16)
 
 
 def make_scene(plan: FlightPlan) -> Scene:
-    """Route, start and traffic of a plan. Raises ``ValueError`` when the route cannot be built or has no such start."""
+    """Route, start and traffic of a plan. Raises ``ImpossibleError`` when its route or its encounter cannot be."""
     (route, path, _, _), begin_s, planned, traffic = _stage(plan)
     goal, goal_tangent, _ = route.frame(route.length_m)
-    longest = TIME_OUT * planned
+    longest, limit = longest_flight(plan.limits, len(plan.obstacles), plan.rates.plant_hz)
+    if TIME_OUT * planned <= longest:
+        longest, limit = TIME_OUT * planned, ""
     frame = lambda s_m: route.frame(s_m)[:2]  # noqa: E731
-    return Scene(route, path, begin_s, planned, traffic, goal, goal_tangent, make_air(plan, frame, begin_s, longest), longest)
+    return Scene(route, path, begin_s, planned, traffic, goal, goal_tangent, make_air(plan, frame, begin_s, longest), longest, limit)
 
 
 def _stage(plan: FlightPlan) -> _Stage:
@@ -87,6 +95,8 @@ def _stage(plan: FlightPlan) -> _Stage:
         begin_s = _begin(plan, laid.route)
         wind = make_wind(plan.air, plan.terrain_z_m)
         planned = planned_time(laid.route, begin_s, laid.route.length_m, plan, wind)
+        if not math.isfinite(planned):
+            raise NoRouteError(f"the wind is too strong for it: somewhere it is no slower than the {plan.speed_mps:g} m/s that are held")
         return _Stage(laid, begin_s, planned, Traffic(_tracks(plan, laid, begin_s, wind)))
 
     if any(spec.kind not in TRACKS for spec in plan.obstacles):
@@ -111,8 +121,21 @@ def _lay(plan: FlightPlan) -> _Laid:
     start, first, last = pieces[0][0], pieces[0][1], pieces[-1][3]
     turn = level_rotation(first, last) if plan.geometry == "level" else np.eye(3)
     place = lambda point: start + turn @ (np.asarray(point) - start)  # noqa: E731
-    route = Chain([ph.hermite(place(p0), turn @ d0, place(p1), turn @ d1) for p0, d0, p1, d1 in pieces])
+    route = _chain([(place(p0), turn @ d0, place(p1), turn @ d1) for p0, d0, p1, d1 in pieces])
     return _Laid(route, ActivePath(route.curves), turn, place)
+
+
+def _chain(pieces: Sequence[Ends]) -> Chain:
+    """The route of these pieces. Raises ``NoRouteError`` where there is no such curve, or none that can be flown along."""
+    try:
+        route = Chain([ph.hermite(*ends) for ends in pieces])
+    except Degenerate as error:
+        raise NoRouteError(str(error)) from error
+    if not route.length_m <= LONGEST_ROUTE_M:
+        raise NoRouteError(f"it is {route.length_m / 1000.0:,.0f} km long; at most {LONGEST_ROUTE_M / 1000.0:g} km")
+    if not min(curve.min_speed for curve in route.curves) >= CUSP:
+        raise NoRouteError("it has a cusp, where it turns on the spot: its ends lie against their directions")
+    return route
 
 
 def _tracks(plan: FlightPlan, laid: _Laid, begin_s: float, wind: Wind) -> tuple[Track, ...]:
@@ -130,6 +153,8 @@ def _tracks(plan: FlightPlan, laid: _Laid, begin_s: float, wind: Wind) -> tuple[
         else:
             reached = float(route.nearest(place(spec.when.own_reaches_enu_m)[None])[0][0])
             when = planned_time(route, begin_s, reached, plan, timing_wind)
+            if not math.isfinite(when):
+                raise NoMeetingError(f"obstacles.{spec.name}.when: the wind is too strong to get there")
         make = registry.part("traffic", spec.kind, plan.plugins)
         random = stream(plan.seed, plan.replicate, f"traffic.{spec.name}")
         setting = TrackSetting(spec.name, spec.radius_m, vec3(position), vec3(velocity), when, random)
@@ -165,14 +190,14 @@ def level_rotation(first: Array, last: Array) -> Array:
 def _begin(plan: FlightPlan, route: Chain) -> float:
     if plan.begin.at_route_s_m is not None:
         if plan.begin.at_route_s_m >= route.length_m:
-            raise ValueError(f"begin.at_route_s_m {plan.begin.at_route_s_m:g} is past the end of the route ({route.length_m:.1f} m)")
+            raise NoRouteError(f"begin.at_route_s_m {plan.begin.at_route_s_m:g} is past the end of the route ({route.length_m:.1f} m)")
         return plan.begin.at_route_s_m
     limit = np.sin((plan.begin.climb_at_most_deg or 0.0) * DEG)
     s = np.linspace(0.0, route.length_m, 4001)
     climb = route.sample(s)[1][:, 2]
     below = np.flatnonzero(climb <= limit)
     if not len(below):
-        raise ValueError(f"begin.climb_at_most_deg {plan.begin.climb_at_most_deg:g}: the route climbs more everywhere")
+        raise NoRouteError(f"begin.climb_at_most_deg {plan.begin.climb_at_most_deg:g}: the route climbs more everywhere")
     k = int(below[0])
     if k == 0:
         return 0.0

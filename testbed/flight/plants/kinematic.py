@@ -141,7 +141,7 @@ class KinematicPlant:
         winds = list(zip(*air, strict=True))
         headings = [math.atan2(x - wx, y - wy) % math.tau for x, y, wx, wy in zip(vx, vy, winds[0], winds[1], strict=True)]
         airspeeds = map(math.dist, zip(vx, vy, vz, strict=True), air)
-        pitches = map(math.asin, tangent[2].tolist())
+        pitches = map(math.asin, np.clip(tangent[2], -1.0, 1.0).tolist())  # a unit vector is one up to rounding
         nothing = [repeat(nan, count) for nan in NOT_THERE]
         return zip(*places, vx, vy, vz, banks, pitches, headings, load_factors, airspeeds, *nothing, *winds, strict=True)
 

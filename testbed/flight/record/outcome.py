@@ -14,7 +14,7 @@ class Outcome(StrEnum):
     COLLIDED = "collided"  # came closer than the radius of an obstacle (the flight goes on)
     TRIM_FAILED = "trim_failed"
     NO_PATH = "no_path"  # no path could be planned from the present state
-    TIMED_OUT = "timed_out"  # three times the planned time
+    TIMED_OUT = "timed_out"  # three times the planned time, or what the campaign's limits allow
     REACHED = "reached"  # crossed the goal's plane within 20 m
     STOPPED = "stopped"  # whoever had it flown had seen enough
 
