@@ -1,6 +1,5 @@
 """Distributions of a metric, one histogram a cell, as static SVG: readable without JavaScript, in the dark and on paper."""
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -8,7 +7,6 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from testbed.results.columns import BY_NAME
-from testbed.results.flight_row import value
 from testbed.show.words import number
 
 FEWEST = 20  # flights in a cell below which a histogram says less than the numbers
@@ -21,7 +19,7 @@ def histograms(cells: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     crowded = [cell for cell in cells if cell["n"] >= FEWEST]
     made = []
     for key in BINNED:
-        known = [np.array([x for x in (value(row, key) for row in cell["rows"]) if math.isfinite(x)]) for cell in crowded]
+        known = [np.array(cell["values"][key]) for cell in crowded]
         if not any(len(values) for values in known):
             continue
         low, high = np.percentile(np.concatenate(known), [1.0 if key == "least_clearance_m" else 0.0, 99.0])
