@@ -2,7 +2,6 @@
 
 import shlex
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -13,7 +12,6 @@ import typer.main
 from testbed.cli.shell import BAD_INPUT, CRASHED, INTERRUPTED, app, bad_input, fail, say
 
 if TYPE_CHECKING:
-    from testbed.campaign import FlightPlan
     from testbed.run.engines import Engine
     from testbed.run.runner import Summary
 
@@ -98,33 +96,42 @@ def _summarise(summary: "Summary") -> None:
 
 
 @app.command()
-def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")], override: Overrides = None) -> None:
-    """Check campaigns without flying them, with the settings changed that are given."""
+def validate(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")],
+    workers: Annotated[int | None, typer.Option(min=1, help="Worker processes of the run to come; default one per core.")] = None,
+    no_estimate: Annotated[bool, typer.Option("--no-estimate", help="Fly nothing to see what the run will take.")] = False,
+    override: Overrides = None,
+) -> None:
+    """Check campaigns, with the settings changed that are given; what each will take of disk and time, by a few flights flown to see."""
     with bad_input():
-        from testbed.campaign import SpecError, expand, load_campaign
-        from testbed.campaign.words.grid import PART
+        from testbed.campaign import SpecError, load_campaign
         from testbed.core.catalogue import aircraft_beside
+        from testbed.run import estimate
+        from testbed.run.engines import usable_cores
 
         bad = False
         for file in files:
             try:
                 with aircraft_beside(file.parent):
                     campaign = load_campaign(file, override or ())
-                    plans = expand(campaign)
+                    counted = estimate.count(campaign)
+                    say(f"{file}: {_counted(counted.flights, sum(counted.cells.values()))}")
+                    for name in campaign.parts:
+                        say(f"  {name}: {_counted(counted.flights_of[name], counted.cells[name])}")
+                    if not no_estimate:
+                        number = workers or usable_cores()
+                        for line in estimate.told(counted, estimate.estimate(campaign, counted, number), number):
+                            say(f"  {line}")
             except SpecError as problems:
                 say(str(problems), sys.stderr)
                 bad = True
-            else:
-                say(f"{file}: {_counted(plans)}")
-                for name in campaign.parts:
-                    say(f"  {name}: {_counted([plan for plan in plans if plan.labels[PART] == name])}")
     raise typer.Exit(BAD_INPUT if bad else 0)
 
 
-def _counted(plans: "Sequence[FlightPlan]") -> str:
+def _counted(flights: int, cells: int) -> str:
     from testbed.show import words
 
-    return f"{words.counted(len(plans), 'flight')} in {words.counted(len({plan.cell for plan in plans}), 'cell')}"
+    return f"{words.counted(flights, 'flight')} in {words.counted(cells, 'cell')}"
 
 
 @app.command()

@@ -31,7 +31,9 @@ AHEAD = 2
 """Calls a worker holds at a time, so that it need not wait for the driver: the one it works on and the next."""
 
 CALLS_PER_WORKER = 250
-"""A worker is replaced after so many calls: each recording leaves two threads and 0.5-2 MB behind in the process that wrote it."""
+"""A worker is replaced after so many calls: each recording leaves two threads and 0.5-2 MB behind in the process that wrote it. An item
+that leaves less says so by its ``wear``: it counts as that part of a call.
+"""
 
 FAILED_STARTS = 3
 """So many workers in a row that die before they are ready are a broken installation, not bad luck."""
@@ -124,7 +126,7 @@ class _Hand:
 
     process: BaseProcess
     pipe: Connection
-    given: int = 0
+    given: float = 0.0
     ready: bool = False
     outstanding: deque[Numbered] = field(default_factory=deque)
 
@@ -158,7 +160,7 @@ class _Crew:
         """Keep a worker busy, but near the end of the queue leave the calls to whoever is free first."""
         while todo and len(hand.outstanding) < (AHEAD if len(todo) > self.size else 1) and hand.given < self.calls_per_worker:
             hand.outstanding.append(todo.next())
-            hand.given += 1
+            hand.given += getattr(hand.outstanding[-1][1], "wear", 1.0)
             with contextlib.suppress(OSError):  # it is dead; the end of its pipe will tell
                 hand.pipe.send(hand.outstanding[-1])
 

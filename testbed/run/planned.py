@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import Any, BinaryIO
+from typing import Any, Protocol
 
 import numpy as np
 from pydantic_core import from_json
@@ -27,8 +27,15 @@ from testbed.run.lines import Lines
 
 BETWEEN, END = b",\n", b"\n]}"
 NOT_A_PLAN = (ValueError, TypeError, KeyError, AttributeError)
-_WHO = ("flight_id", "replicate")
+_WHO_TYPES = {"flight_id": str, "replicate": int}
+_WHO = tuple(_WHO_TYPES)
 """In what the replicates of a cell differ, unless something is drawn."""
+
+
+class Writable(Protocol):
+    """A file to write to, or what only looks at what is written."""
+
+    def write(self, data: bytes, /) -> int: ...
 
 
 @dataclass(frozen=True)
@@ -65,10 +72,10 @@ class Planned:
     def some(self, which: Any) -> Lines[FlightPlan]:
         """Those of some numbers in the plan."""
         starts = np.frombuffer(self.starts, dtype=np.int64)[which] if self.starts else np.zeros(0, np.int64)
-        return Lines(self.path, array("q", starts.tobytes()), partial(_read, self.path, _plan))
+        return Lines(self.path, array("q", starts.tobytes()), partial(_read, self.path, _Validated().plan))
 
 
-def write(file: BinaryIO, campaign: Campaign, plans: Iterable[FlightPlan]) -> None:
+def write(file: Writable, campaign: Campaign, plans: Iterable[FlightPlan]) -> None:
     """The plan file."""
     file.write(b'{"campaign":' + canonical(campaign.model_dump(mode="json")) + b',"flights":[\n')
     for number, line in enumerate(_lines(plans)):
@@ -148,8 +155,22 @@ def _flight(line: bytes) -> dict[str, Any]:
     return flight
 
 
-def _plan(line: bytes) -> FlightPlan:
-    return FlightPlan.model_validate(_flight(line))
+@dataclass
+class _Validated:
+    """Plans from lines; one that differs from the one before in who it is alone has its sections, which are frozen."""
+
+    before: dict[str, Any] | None = None
+    last: FlightPlan | None = None
+
+    def plan(self, line: bytes) -> FlightPlan:
+        flight = _flight(line)
+        who = {name: flight.pop(name) for name in _WHO}
+        if self.last is None or flight != self.before or {name: type(value) for name, value in who.items()} != _WHO_TYPES:
+            self.last = FlightPlan.model_validate(flight | who)
+            self.before = flight
+        else:
+            self.last = self.last.model_copy(update=who)
+        return self.last
 
 
 def _read(path: Path, read: Callable[[bytes], Any], line: bytes) -> Any:

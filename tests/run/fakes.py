@@ -6,9 +6,15 @@ import math
 import os
 import signal
 import time
+from dataclasses import dataclass
 
 from testbed.results.columns import METRICS, Kind
 from testbed.run.job import JobResult
+
+
+@dataclass(frozen=True)
+class Worn:
+    wear: float
 
 
 def square(x):
@@ -128,7 +134,7 @@ def fly_badly(job):
 
 def page(campaign, rows, series, provenance, checks, head):
     """A page that shows all it is given."""
-    return json.dumps([campaign.name, rows, series, provenance, [str(line) for line in checks], head], sort_keys=True)
+    return json.dumps([campaign.name, list(rows), series, provenance, [str(line) for line in checks], head], sort_keys=True)
 
 
 def ignores_ctrl_c(_item):

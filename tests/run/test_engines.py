@@ -63,6 +63,12 @@ def test_the_work_is_shared_and_workers_are_replaced():
     assert [pids.count(pid) for pid in dict.fromkeys(pids)] == [4, 4, 2]
 
 
+def test_what_leaves_little_behind_wears_a_worker_little():
+    items = [fakes.Worn(1.0 if k % 4 == 0 else 0.0) for k in range(12)]
+    pids = results(LocalEngine(1, calls_per_worker=2), fakes.pid, items)
+    assert [pids.count(pid) for pid in dict.fromkeys(pids)] == [5, 7]  # with the call that wears it out, the second of those that do
+
+
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="this system cannot give a process fewer cores")
 def test_cores_that_a_process_may_not_use_do_not_count():
     alone = "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}); from testbed.run.engines import usable_cores as cores"
