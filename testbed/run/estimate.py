@@ -89,8 +89,8 @@ def _watched(campaign: Campaign, counted: Counted) -> Iterator[FlightPlan]:
                 step *= 2
         yield plan
     counted.recordings += counted.pictured or sum(by_selection.values())
-    every = max(1, len(counted.sample) // SAMPLE)
-    counted.sample = counted.sample[::every][:SAMPLE]
+    few = min(SAMPLE, len(counted.sample))
+    counted.sample = [counted.sample[k * (len(counted.sample) - 1) // max(1, few - 1)] for k in range(few)]
 
 
 @dataclass(frozen=True)
@@ -157,20 +157,27 @@ def _fly(pipe: Connection, jobs: Sequence[Job]) -> None:
         pipe.send(run_job(job))
 
 
+def _asked(counted: Counted) -> dict[str, int]:
+    """Stages of a flight that not every flight has, to how many have them."""
+    return {"record": counted.recordings, "columns": counted.columns, "series": min(SERIES, counted.firsts)}
+
+
 def _mean(amounts: Sequence[float]) -> float:
     return sum(amounts) / len(amounts) if amounts else 0.0
 
 
 def _bytes(campaign: Campaign, counted: Counted, results: Sequence[JobResult], here: Path) -> dict[str, float]:
     """Each file by what one flight adds to it; the page apart, which has an upper end."""
-    steady = [replace(result, timings=dict.fromkeys(result.timings, 0.0123456789012345)) for result in results]  # times differ in length
+    asked = _asked(counted)
+    timed = [{s: 0.0123456789012345 for s in one.timings if asked.get(s, counted.flights) > counted.flights / 2} for one in results]
+    steady = [replace(result, timings=stages) for result, stages in zip(results, timed, strict=True)]
     lines = [len(journal.encode(replace(result, series=None))) for result in steady]
     curves = [len(journal.encode(result)) - line for result, line in zip(steady, lines, strict=True)]
     pictured = min(max(SERIES, counted.pictured), counted.pictured + counted.firsts)
     found = {
         "plan.json": float(counted.plan_bytes),
         "rows.jsonl": counted.flights * _mean(lines) + pictured * _mean(curves),
-        "timings.csv": counted.flights * (13 + 9 * _mean([len(result.timings) for result in results])),
+        "timings.csv": counted.flights * (13 + _mean([8 * len(told) + len(one.timings) for told, one in zip(timed, results, strict=True)])),
     }
     if not campaign.study.part.flies:
         found |= _table_bytes([result.row for result in results], counted.flights)
@@ -200,8 +207,7 @@ def _table_bytes(rows: list[dict[str, Any]], flights: int) -> dict[str, float]:
 def _seconds(counted: Counted, results: Sequence[JobResult], workers: int) -> float:
     """What only some flights are asked for is counted for those alone."""
     stages = {name: _mean([result.timings.get(name, 0.0) for result in results]) for name in ("fly", "measure", "check")}
-    asked = {"record": counted.recordings, "columns": counted.columns, "series": min(SERIES, counted.firsts)}
-    some = sum(number * _mean([result.timings.get(name, 0.0) for result in results]) for name, number in asked.items())
+    some = sum(number * _mean([result.timings.get(name, 0.0) for result in results]) for name, number in _asked(counted).items())
     at_work = max(1, min(workers, counted.flights))
     return START_S + (counted.flights * sum(stages.values()) + some) / at_work + counted.flights * DRIVER_S
 

@@ -8,6 +8,7 @@ import json
 import math
 import os
 import re
+import time
 from array import array
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -34,8 +35,8 @@ _ROW = re.compile(rb'\{"row":\{"flight_id":"([0-9a-f]{12})",')
 _CRASHED, _NO_SERIES, _TIMINGS = b'"outcome":"crashed"', b'"series":null,"timings":', b'"timings":'  # in text a " has a \ before it
 NOT_A_ROW = (ValueError, KeyError, TypeError, AttributeError)
 
-SYNC_EVERY = 16
-"""Rows between two calls of fsync: what a power cut may cost."""
+SYNC_EVERY_S = 1.0
+"""Between two calls of fsync, which takes about 10 ms, as long as several short flights: what a power cut may cost."""
 
 
 class JournalError(Exception):
@@ -47,19 +48,18 @@ class Journal:
 
     def __init__(self, file: FileIO):
         self._file = file
-        self._unsynced = 0
+        self._synced_at = time.monotonic()
 
     def append(self, result: JobResult) -> None:
         data = encode(result)
         while data:
             data = data[self._file.write(data) :]
-        self._unsynced += 1
-        if self._unsynced >= SYNC_EVERY:
+        if time.monotonic() - self._synced_at >= SYNC_EVERY_S:
             self.sync()
 
     def sync(self) -> None:
         os.fsync(self._file.fileno())
-        self._unsynced = 0
+        self._synced_at = time.monotonic()
 
 
 @contextmanager
@@ -126,12 +126,13 @@ def index(path: Path) -> Index:
     end = 0
     for start, line in _whole(path):
         end = start + len(line)
-        found = _ROW.match(line)
-        if found is None:  # of another flight than those of a plan
+        ours = _looks_like_a_row(line)
+        try:
+            ids.append(number_of(id_of(line)))
+        except ValueError:  # of another flight than those of a plan
             continue
-        ids.append(int(found.group(1), 16))
         starts.append(start)
-        crashed.append(_CRASHED in line and decode(line).row["outcome"] == Outcome.CRASHED.value)
+        crashed.append((not ours or _CRASHED in line) and decode(line).row["outcome"] == Outcome.CRASHED.value)
         curved.append(_NO_SERIES not in line)
     numbers = np.frombuffer(ids, dtype=np.uint64) if ids else np.zeros(0, np.uint64)
     backwards, first = np.unique(numbers[::-1], return_index=True)
@@ -175,6 +176,7 @@ def _raw(path: Path) -> Iterator[tuple[int, bytes]]:
 
 
 def _looks_like_a_row(line: bytes) -> bool:
+    """As ``encode`` writes it. What somebody else wrote is a row as well, and is read to the end."""
     return _ROW.match(line) is not None and line.endswith(b"}}\n") and b"\0" not in line
 
 
@@ -205,14 +207,15 @@ def row_of(line: bytes) -> Row:
 
 
 def id_of(line: bytes) -> str:
-    """The flight of a line that an index knows."""
+    """The flight of a line."""
     found = _ROW.match(line)
-    assert found is not None
-    return found.group(1).decode()
+    return found.group(1).decode() if found else decode(line).row["flight_id"]
 
 
 def timings_of(line: bytes) -> dict[str, float]:
     """The wall-clock seconds of a line, which are its end."""
+    if not _looks_like_a_row(line):
+        return decode(line).timings
     found: dict[str, float] = from_json(line[line.rindex(_TIMINGS) + len(_TIMINGS) : -2])
     return found
 

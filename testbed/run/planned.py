@@ -118,7 +118,7 @@ def _opened(path: Path) -> Planned:
             return _laid_out_anew(path)
         campaign = from_json(first + b"]}")["campaign"]
         digest.update(first[:-1])
-        start = len(first)
+        start, line = len(first), b""
         for line in file:
             digest.update(line.removesuffix(b"\n"))
             if line != b"]}":
