@@ -123,7 +123,7 @@ def estimate(campaign: Campaign, counted: Counted, workers: int) -> Estimate:
         ]
         results = _flown(jobs)
         if not results:
-            return Estimate(0, {}, 0.0, f"the first flight was not done after {LONGEST_S:g} s")
+            return Estimate(0, {}, 0.0, f"the first flight was not done after {LONGEST_S:g} s, or its process died of it")
         crashes = [result.row for result in results if result.row["outcome"] == Outcome.CRASHED.value]
         said = f"flight {crashes[0]['flight_id']} crashed: {crashes[0]['message']}" if crashes else ""
         return Estimate(len(results), _bytes(campaign, counted, results, here), _seconds(counted, results, workers), said)

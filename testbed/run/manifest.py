@@ -1,5 +1,6 @@
 """``manifest.json``: what a run is of and where its results come from; and whether it can be continued."""
 
+import hashlib
 import json
 from typing import Any
 
@@ -22,8 +23,16 @@ TOLD_OF_ORIGIN = ("campaign", "source", "overrides", "seed", "revision", "dirty"
 """What the page may say of a run's origin: nothing that changes with the hour, the number of workers or the folder."""
 
 
+QUESTION = "campaign_hash"
+"""Key of the manifest: by it a run that goes on is known before its campaign is expanded."""
+
 MIXED = "changed while flying"
 """In the place of the code's hash: workers that started later may have read other code. Such a run cannot be continued."""
+
+
+def question_hash(campaign: Campaign) -> str:
+    """Of all that a campaign says, in the order in which it says it: that of its axes and values is that of its flights."""
+    return identity.short(hashlib.sha256(json.dumps(campaign.model_dump(mode="json")).encode()))
 
 
 def fingerprint(planned: Planned, world: World) -> Fingerprint:
@@ -46,6 +55,7 @@ def new(campaign: Campaign, source: str, overrides: tuple[str, ...], planned: Pl
         "overrides": list(overrides),
         "seed": campaign.seed,
         "flights": len(planned),
+        QUESTION: question_hash(campaign),
         "identity": fingerprint(planned, world),
         "aircraft_path": list(world.aircraft_path),
         **identity.revision(),

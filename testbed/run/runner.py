@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from testbed.campaign.words.settings import Campaign
-from testbed.core.canonical import canonical
 from testbed.flight.record import Outcome
 from testbed.run import identity, journal, manifest, storing
 from testbed.run import planned as planned_file
@@ -104,8 +103,8 @@ def _continued(directory: RunDirectory, order: Order, campaign: Campaign) -> Ope
         planned = opened(directory / PLAN)
     except BadInputError:
         return None  # it is written anew
-    campaign_now = campaign.model_dump(mode="json")
-    if planned.plugins or planned.hash != there["identity"]["plan"] or canonical(planned.campaign) != canonical(campaign_now):
+    asked = manifest.question_hash(campaign)
+    if planned.plugins or planned.hash != there["identity"]["plan"] or there.get(manifest.QUESTION) != asked:
         return None
     world = world_of(campaign, planned.aircraft)
     return (_noted(directory, there, world), planned, world) if manifest.is_same(there, planned, world) else None

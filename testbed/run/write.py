@@ -99,7 +99,7 @@ def _axes(planned: Planned, there: np.ndarray, rows: Sequence[Row]) -> "dict[str
         if planned.axes[number] not in seen:
             seen.add(planned.axes[number])
             order |= dict.fromkeys(rows[row_number]["labels"])
-    return {axis: kinds[axis] for axis in dict.fromkeys([*order, *kinds])}
+    return {axis: kinds[axis] for axis in dict.fromkeys([*order, *kinds]) if axis in kinds}
 
 
 def _studied(campaign: Campaign, run: Run) -> Written:

@@ -100,6 +100,16 @@ def test_a_plan_file_that_was_changed_is_not_believed(tmp_path):
         fly(tmp_path, "speed_mps=40")
 
 
+def test_axes_in_another_order_are_other_flights(tmp_path):
+    """Though the JSON of the campaign is the same when its keys are sorted, and so are the settings of all flights."""
+    sweep = ("  method.kind: [none, scoam]\n", "  sensor.range_m: [50, 60]\n")
+    written(tmp_path, CAMPAIGN.partition("  method.kind")[0] + "".join(sweep))
+    fly(tmp_path)
+    written(tmp_path, CAMPAIGN.partition("  method.kind")[0] + "".join(sweep[::-1]))
+    with pytest.raises(BadInputError, match="expands to other flights"):
+        fly(tmp_path)
+
+
 def test_a_plan_file_in_another_layout_is_read_as_well(tmp_path):
     written(tmp_path, CAMPAIGN.partition("sweep:")[0] + PARTS)
     fly(tmp_path)
