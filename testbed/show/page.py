@@ -22,7 +22,7 @@ from testbed.show.histogram import histograms
 from testbed.show.shown_columns import DECISION_TERMS, PAIRED, SHOWN_COLUMNS, SUMMARISED, text
 from testbed.show.words import number
 
-MOST_TRACEBACK = 10_000  # characters, its end
+MOST_TRACEBACK = 4_000  # characters, its end
 CELLS_FROM = 25  # so many flights are better read by cell
 
 
