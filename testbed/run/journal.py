@@ -63,10 +63,10 @@ class Journal:
 
 
 @contextmanager
-def appending(path: Path) -> Iterator[Journal]:
-    """Open the journal for more rows, after cutting off a last line that was not finished."""
+def appending(path: Path, end: int | None = None) -> Iterator[Journal]:
+    """Open the journal for more rows, after cutting off a last line that was not finished. ``end``: of the last whole line, if known."""
     with path.open("ab", buffering=0) as file:
-        file.truncate(index(path).end)
+        file.truncate(index(path).end if end is None else end)
         journal = Journal(file)
         try:
             yield journal

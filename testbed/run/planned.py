@@ -6,6 +6,7 @@ It is the canonical JSON of the campaign and its flights with line ends between 
 import atexit
 import hashlib
 import json
+import re
 import shutil
 from array import array
 from collections.abc import Callable, Iterable, Iterator
@@ -18,12 +19,17 @@ from typing import Any, Protocol
 import numpy as np
 from pydantic_core import from_json
 
+from testbed.campaign.words.grid import PART
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.canonical import canonical, cut
 from testbed.run import identity
 from testbed.run.directory import BadInputError
 from testbed.run.journal import number_of
 from testbed.run.lines import Lines
+
+MOST_FIRSTS = 64
+_LINE = re.compile(rb'(.*?"flight_id":")([0-9a-f]{12})(".*,"replicate":)([0-9]{1,6})(,"route".*,\n)')
+"""A line as it is written here. What differs in the second and fourth part alone says the same but for those."""
 
 BETWEEN, END = b",\n", b"\n]}"
 NOT_A_PLAN = (ValueError, TypeError, KeyError, AttributeError)
@@ -53,6 +59,8 @@ class Planned:
     """Where parts come from that are not built in, over all flights."""
     labels: dict[str, dict[str, None]]
     """Axis to its labels, over all flights."""
+    firsts: dict[str, list[str]]
+    """Part (without parts an empty name) to the first replicates of its first cells, ``MOST_FIRSTS`` at most."""
     axes: "array[int]"
     """Of each flight a number for the axes that it has: the same for the same."""
 
@@ -112,6 +120,8 @@ def _opened(path: Path) -> Planned:
     plugins: dict[str, str] = {}
     labels: dict[str, dict[str, None]] = {}
     axes, kinds_of_axes = array("H"), dict[tuple[str, ...], int]()
+    firsts: dict[str, list[str]] = {}
+    before, flight = None, dict[str, Any]()
     with path.open("rb") as file:
         first = file.readline()
         if not first.endswith(b'"flights":[\n'):
@@ -122,21 +132,33 @@ def _opened(path: Path) -> Planned:
         for line in file:
             digest.update(line.removesuffix(b"\n"))
             if line != b"]}":
-                flight = _flight(line)
+                alike = _LINE.fullmatch(line)
+                if alike is None or alike.group(1, 3, 5) != before:
+                    flight = _flight(line)
+                    before = alike.group(1, 3, 5) if alike and _who(alike) == {name: flight[name] for name in _WHO} else None
+                    aircraft.add(flight["aircraft"])
+                    plugins |= flight["plugins"]
+                    kind = kinds_of_axes.setdefault(tuple(flight["labels"]), len(kinds_of_axes))
+                    for axis, label in flight["labels"].items():
+                        labels.setdefault(axis, {})[label] = None
+                else:
+                    flight |= _who(alike)
                 ids.append(number_of(flight["flight_id"]))
                 starts.append(start)
-                aircraft.add(flight["aircraft"])
-                plugins |= flight["plugins"]
-                axes.append(kinds_of_axes.setdefault(tuple(flight["labels"]), len(kinds_of_axes)))
-                for axis, label in flight["labels"].items():
-                    labels.setdefault(axis, {})[label] = None
+                axes.append(kind)
+                if flight["replicate"] == 0 and len(first_of := firsts.setdefault(flight["labels"].get(PART, ""), [])) < MOST_FIRSTS:
+                    first_of.append(flight["flight_id"])
             start += len(line)
         if line != b"]}":
             raise ValueError("its end is missing")
     numbers = np.frombuffer(ids, dtype=np.uint64) if ids else np.zeros(0, np.uint64)
     return Planned(
-        path, campaign, identity.short(digest), numbers, starts, frozenset(aircraft), dict(sorted(plugins.items())), labels, axes
+        path, campaign, identity.short(digest), numbers, starts, frozenset(aircraft), dict(sorted(plugins.items())), labels, firsts, axes
     )
+
+
+def _who(line: "re.Match[bytes]") -> dict[str, Any]:
+    return {"flight_id": line.group(2).decode(), "replicate": int(line.group(4))}
 
 
 def _laid_out_anew(path: Path) -> Planned:

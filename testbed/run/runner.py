@@ -163,7 +163,7 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, planned: Pla
     order.progress(already, len(planned), bad)
     out = _Out(storing.jobs(directory, campaign, planned, world, left))
     try:
-        with journal.appending(directory / ROWS) as rows_file, closing(order.engine.imap(order.job, out)) as results:
+        with journal.appending(directory / ROWS, rows.end) as rows_file, closing(order.engine.imap(order.job, out)) as results:
             for count, (number, result) in enumerate(results, 1):
                 job = out.back(number)
                 finished = crashed(job, result.reason, result.details) if isinstance(result, Died) else result

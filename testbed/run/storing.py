@@ -11,11 +11,11 @@ from testbed.campaign.words.grid import PART
 from testbed.campaign.words.settings import Campaign
 from testbed.run.directory import RunDirectory
 from testbed.run.job import Job
-from testbed.run.planned import Planned
+from testbed.run.planned import MOST_FIRSTS, Planned
 from testbed.run.world import World
 from testbed.studies.study import Study
 
-SERIES = 64
+SERIES = MOST_FIRSTS
 """Flights whose time series are stored for the page: first replicates in plan order, one of each part in turn."""
 
 
@@ -25,7 +25,7 @@ def jobs(directory: RunDirectory, campaign: Campaign, planned: Planned, world: W
     """
     parts, axes = resolved_parts(campaign), axes_in_order(campaign)
     pictured = _pictured(campaign, planned)
-    with_series = _series_stored(campaign, planned, pictured)
+    with_series = _series_stored(planned, pictured)
     recordings, columns = directory.recordings.resolve(), directory.columns.resolve()
     for plan in planned.some(which):
         name = _part(campaign, plan.labels)
@@ -59,14 +59,7 @@ def _pictured(campaign: Campaign, planned: Planned) -> dict[str, None]:
     return {plan.flight_id: None for plan in planned.plans if study.pictures(plan)}
 
 
-def _series_stored(campaign: Campaign, planned: Planned, pictured: Collection[str]) -> set[str]:
+def _series_stored(planned: Planned, pictured: Collection[str]) -> set[str]:
     """The flights that a study pictures, and then fairly: no part goes without because one before it has many cells."""
-    return set(islice(chain(pictured, _in_turn(campaign, planned)), max(SERIES, len(pictured))))
-
-
-def _in_turn(campaign: Campaign, planned: Planned) -> Iterator[str]:
-    turns: dict[str, list[str]] = {}
-    for flight in planned.flights:
-        if flight["replicate"] == 0 and len(turn := turns.setdefault(_part(campaign, flight["labels"]), [])) < SERIES:
-            turn.append(flight["flight_id"])
-    return (flight_id for turn in zip_longest(*turns.values()) for flight_id in turn if flight_id is not None)
+    in_turn = (flight_id for turn in zip_longest(*planned.firsts.values()) for flight_id in turn if flight_id is not None)
+    return set(islice(chain(pictured, in_turn), max(SERIES, len(pictured))))
