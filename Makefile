@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time aircraft-table test fast kills wheel wheel-test bench report docs lock clean
+.PHONY: help paper paper-full verify lead-time aircraft-table test fast kills wheel wheel-test bench scale report docs lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -72,6 +72,11 @@ wheel-test: $(STAMP) ## install the wheel into empty environments of Python 3.11
 
 bench: $(STAMP) ## time flights of every plant and air against the physics alone: reports/bench_history.csv
 	$(BIN)/testbed bench
+
+# An idle machine, an hour with two workers, 2 GB; the same with copied flights takes minutes: add --copy.
+SCALE_FLIGHTS ?= 200000
+scale: $(STAMP) ## 200,000 kinematic flights, killed half way and resumed: memory of the driver, time and size of the page
+	PYTHONPATH=. $(BIN)/python tests/benchmarks/bench_scale.py --flights $(SCALE_FLIGHTS) --out reports/runs/scale
 
 report: $(STAMP) ## write the page and tables of the paper's campaign again, without flying
 	$(BIN)/testbed report reports/runs/paper

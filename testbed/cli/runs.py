@@ -2,7 +2,6 @@
 
 import shlex
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -97,33 +96,41 @@ def _summarise(summary: "Summary") -> None:
 
 
 @app.command()
-def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")], override: Overrides = None) -> None:
-    """Check campaigns without flying them, with the settings changed that are given."""
+def validate(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")],
+    workers: Annotated[int | None, typer.Option(min=1, help="Worker processes of the run to come; default one per core.")] = None,
+    no_estimate: Annotated[bool, typer.Option("--no-estimate", help="Fly nothing to see what the run will take.")] = False,
+    override: Overrides = None,
+) -> None:
+    """Check campaigns, with the settings changed that are given; what each will take of disk and time, by a few flights flown to see."""
     with bad_input():
         from testbed.campaign import SpecError, load_campaign
-        from testbed.campaign.reading.expand import sizes
         from testbed.core.catalogue import aircraft_beside
+        from testbed.run import estimate
+        from testbed.run.engines import usable_cores
 
         bad = False
         for file in files:
             try:
                 with aircraft_beside(file.parent):
-                    found = sizes(load_campaign(file, override or ()))
+                    campaign = load_campaign(file, override or ())
+                    counted = estimate.count(campaign)
+                    say(f"{file}: {_counted(counted.flights, sum(counted.cells.values()))}")
+                    for name in campaign.parts:
+                        say(f"  {name}: {_counted(counted.flights_of[name], counted.cells[name])}")
+                    if not no_estimate:
+                        number = workers or usable_cores()
+                        for line in estimate.told(counted, estimate.estimate(campaign, counted, number), number):
+                            say(f"  {line}")
             except SpecError as problems:
                 say(str(problems), sys.stderr)
                 bad = True
-            else:
-                say(f"{file}: {_counted(found.values())}")
-                for name, size in found.items():
-                    if name:
-                        say(f"  {name}: {_counted([size])}")
     raise typer.Exit(BAD_INPUT if bad else 0)
 
 
-def _counted(sizes: Iterable[tuple[int, int]]) -> str:
+def _counted(flights: int, cells: int) -> str:
     from testbed.show import words
 
-    cells, flights = (sum(numbers) for numbers in zip(*sizes, strict=True))
     return f"{words.counted(flights, 'flight')} in {words.counted(cells, 'cell')}"
 
 

@@ -13,8 +13,9 @@ import csv
 import io
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
+from typing import Any, BinaryIO
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -30,6 +31,11 @@ _FLAGS = {"true": True, "false": False}
 _READ: dict[Kind, Callable[[str], Any]] = {Kind.TEXT: str, Kind.WHOLE: int, Kind.NUMBER: float, Kind.FLAG: _FLAGS.get}
 NO_VALUE = "null"
 
+AT_ONCE, ROW_GROUP = 500, 10_000
+"""Rows that are held as they came, and rows that are held packed: what is written of one campaign needs no more memory than of another.
+A Parquet file of more rows than the second has several row groups."""
+COMPRESSION = "zstd"
+
 
 def axis_kinds(labels: Iterable[Mapping[str, str]]) -> dict[str, Kind]:
     """What the column of each axis holds, by the labels of all flights of a campaign; axes in order of appearance."""
@@ -37,7 +43,12 @@ def axis_kinds(labels: Iterable[Mapping[str, str]]) -> dict[str, Kind]:
     for each in labels:
         for axis, label in each.items():
             texts.setdefault(axis, set()).add(label)
-    return {axis: _kind(among - {NO_VALUE}) for axis, among in texts.items()}
+    return kinds_of(texts)
+
+
+def kinds_of(labels: Mapping[str, Iterable[str]]) -> dict[str, Kind]:
+    """The same, by all the labels of each axis."""
+    return {axis: _kind(set(among) - {NO_VALUE}) for axis, among in labels.items()}
 
 
 def _kind(labels: set[str]) -> Kind:
@@ -84,16 +95,46 @@ def _axis_value(label: str, kind: Kind) -> Any:
     return _READ[kind](label)
 
 
+def write(rows: Iterable[Row], axes: Mapping[str, Kind], csv_file: BinaryIO, parquet_file: BinaryIO) -> None:
+    """Both files, of rows that need not fit into memory."""
+    csv_file.write(_csv_line(schema(axes).names))
+    with pq.ParquetWriter(parquet_file, schema(axes), compression=COMPRESSION) as writer:
+        for group in _groups(rows, axes):
+            writer.write_table(group)
+            for batch in group.to_batches(max_chunksize=AT_ONCE):
+                csv_file.write(_csv_lines(batch))
+
+
+def _groups(rows: Iterable[Row], axes: Mapping[str, Kind]) -> Iterator[pa.Table]:
+    """Tables of ``ROW_GROUP`` rows, the last of what is left; one without rows if there are none."""
+    rest, held, made = iter(rows), [], 0
+    while batch := list(islice(rest, AT_ONCE)):
+        held.append(table(batch, axes))
+        if len(held) * AT_ONCE >= ROW_GROUP:
+            yield pa.concat_tables(held).combine_chunks()
+            held, made = [], made + 1
+    if held or not made:
+        yield pa.concat_tables(held).combine_chunks() if held else table([], axes)
+
+
 def csv_bytes(results: pa.Table) -> bytes:
     """The table as CSV in UTF-8; a float is written with the fewest digits that read back as the same float."""
+    return _csv_line(results.column_names) + _csv_lines(results)
+
+
+def _csv_line(names: Sequence[str]) -> bytes:
     out = io.StringIO(newline="")
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(results.column_names)
+    csv.writer(out, lineterminator="\n").writerow(names)
+    return out.getvalue().encode()
+
+
+def _csv_lines(results: "pa.Table | pa.RecordBatch") -> bytes:
+    out = io.StringIO(newline="")
     texts = [
         [_label(value) if name.startswith(AXIS) else _text(value) for value in column.to_pylist()]
-        for name, column in zip(results.column_names, results.columns, strict=True)
+        for name, column in zip(results.schema.names, results.columns, strict=True)
     ]
-    writer.writerows(zip(*texts, strict=True))
+    csv.writer(out, lineterminator="\n").writerows(zip(*texts, strict=True))
     return out.getvalue().encode()
 
 
@@ -113,5 +154,5 @@ def _label(value: str | float | None) -> str:
 def parquet_bytes(results: pa.Table) -> bytes:
     """The table as Parquet; the bytes depend on the table and the version of Arrow only."""
     out = io.BytesIO()
-    pq.write_table(results, out, compression="zstd")
+    pq.write_table(results, out, compression=COMPRESSION)
     return out.getvalue()

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from filelock import FileLock, Timeout
 
@@ -98,16 +98,30 @@ class RunDirectory:
 
     def put(self, name: str, data: bytes) -> None:
         """Write a file so that a reader, or the next run, sees the old one or the new one and nothing between."""
-        target = self / name
-        draft = target.with_name(f".{target.name}.new")
+        with self.writing(name) as file:
+            file.write(data)
+
+    @contextmanager
+    def writing(self, name: str) -> Iterator[BinaryIO]:
+        """The same for a file that is written piece by piece; what raises inside leaves the old one."""
+        draft = self.draft_of(name)
         try:
             with draft.open("wb") as file:
-                file.write(data)
+                yield file
                 file.flush()
                 os.fsync(file.fileno())
-            os.replace(draft, target)
+            self.keep(name)
         finally:
             draft.unlink(missing_ok=True)
+
+    def draft_of(self, name: str) -> Path:
+        """What a file is called before it is whole; nobody takes a hidden file for one of a run."""
+        target = self / name
+        return target.with_name(f".{target.name}.new")
+
+    def keep(self, name: str) -> None:
+        """Let the draft of a file, which is whole, take its place."""
+        os.replace(self.draft_of(name), self / name)
         _sync_names(self.path)
 
 

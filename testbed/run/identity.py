@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import vosc
+from testbed.core.canonical import canonical
 from testbed.core.catalogue import AIRCRAFT_ROOT, DATA, aircraft_folders
 
 DISTRIBUTION = "vosc-testbed"
@@ -31,7 +32,7 @@ def code_hash() -> str:
         for file in _sources(folder):
             content = file.read_bytes()
             digest.update(f"{folder.name}/{file.relative_to(folder).as_posix()} {len(content)}\n".encode() + content)
-    return digest.hexdigest()[:16]
+    return short(digest)
 
 
 def _sources(folder: Path) -> list[Path]:
@@ -71,7 +72,7 @@ def aircraft_hashes(names: Iterable[str]) -> dict[str, dict[str, str]]:
 def guests(names: Iterable[str]) -> dict[str, str]:
     """One hash for each aircraft flown that is not the project's own."""
     theirs = [name for name in names if aircraft_folders()[name].parent != AIRCRAFT_ROOT]
-    return {name: hashlib.sha256(canonical(files)).hexdigest()[:16] for name, files in aircraft_hashes(theirs).items()}
+    return {name: short(hashlib.sha256(canonical(files))) for name, files in aircraft_hashes(theirs).items()}
 
 
 def machine() -> dict[str, str]:
@@ -79,14 +80,9 @@ def machine() -> dict[str, str]:
     return {"system": platform.system(), "machine": platform.machine(), "libc": "-".join(filter(None, platform.libc_ver()))}
 
 
-def canonical(data: Any) -> bytes:
-    """The same bytes for the same JSON data."""
-    return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
-
-
-def plan_hash(plan: Any) -> str:
-    """Of the campaign and its flights."""
-    return hashlib.sha256(canonical(plan)).hexdigest()[:16]
+def short(digest: "hashlib._Hash") -> str:
+    """The digits of a hash that are told and compared."""
+    return digest.hexdigest()[:16]
 
 
 def flat(data: Any, path: str = "") -> dict[str, Any]:

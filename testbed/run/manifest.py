@@ -1,13 +1,14 @@
 """``manifest.json``: what a run is of and where its results come from; and whether it can be continued."""
 
+import hashlib
 import json
-from collections.abc import Sequence
 from typing import Any
 
-from testbed.campaign.words.settings import Campaign, FlightPlan
+from testbed.campaign.words.settings import Campaign
 from testbed.core.registry import PACKAGE
 from testbed.run import identity
 from testbed.run.directory import MANIFEST, STUDY_FILES, BadInputError, RunDirectory
+from testbed.run.planned import Planned, opened
 from testbed.run.world import World
 
 IDENTITY_KEYS = ("plan", "code", "versions", "plugins", "packages", "aircraft")
@@ -22,40 +23,44 @@ TOLD_OF_ORIGIN = ("campaign", "source", "overrides", "seed", "revision", "dirty"
 """What the page may say of a run's origin: nothing that changes with the hour, the number of workers or the folder."""
 
 
+QUESTION = "campaign_hash"
+"""Key of the manifest: by it a run that goes on is known before its campaign is expanded."""
+
 MIXED = "changed while flying"
 """In the place of the code's hash: workers that started later may have read other code. Such a run cannot be continued."""
 
 
-def fingerprint(plan: Any, world: World) -> Fingerprint:
+def question_hash(campaign: Campaign) -> str:
+    """Of all that a campaign says, in the order in which it says it: that of its axes and values is that of its flights."""
+    return identity.short(hashlib.sha256(json.dumps(campaign.model_dump(mode="json")).encode()))
+
+
+def fingerprint(planned: Planned, world: World) -> Fingerprint:
     """What must be the same for a run to be continued."""
     return {
-        "plan": identity.plan_hash(plan),
+        "plan": planned.hash,
         "code": identity.code_hash(),
         "versions": identity.versions(),
         "plugins": {plugin.name: plugin.sha256 for plugin in world.plugins},
-        "packages": {
-            name.removesuffix(PACKAGE): version
-            for flight in plan["flights"]
-            for name, version in flight["plugins"].items()
-            if name.endswith(PACKAGE)
-        },
-        "aircraft": identity.guests(flight["aircraft"] for flight in plan["flights"]),
+        "packages": {name.removesuffix(PACKAGE): version for name, version in planned.plugins.items() if name.endswith(PACKAGE)},
+        "aircraft": identity.guests(planned.aircraft),
     }
 
 
-def new(campaign: Campaign, source: str, overrides: tuple[str, ...], plan: dict[str, Any], world: World) -> Manifest:
+def new(campaign: Campaign, source: str, overrides: tuple[str, ...], planned: Planned, world: World) -> Manifest:
     """The manifest of a run that begins."""
     return {
         "campaign": campaign.name,
         "source": source,
         "overrides": list(overrides),
         "seed": campaign.seed,
-        "flights": len(plan["flights"]),
-        "identity": fingerprint(plan, world),
+        "flights": len(planned),
+        QUESTION: question_hash(campaign),
+        "identity": fingerprint(planned, world),
         "aircraft_path": list(world.aircraft_path),
         **identity.revision(),
         "platform": identity.machine(),
-        "aircraft": identity.aircraft_hashes(flight["aircraft"] for flight in plan["flights"]),
+        "aircraft": identity.aircraft_hashes(planned.aircraft),
         STUDY_FILES: [],
         "history": [],
     }
@@ -85,16 +90,21 @@ def own(directory: RunDirectory, manifest: Manifest, names: list[str]) -> None:
         save(directory, manifest)
 
 
-def refuse_another(directory: RunDirectory, manifest: Manifest, plan: dict[str, Any], world: World) -> None:
+def is_same(manifest: Manifest, planned: Planned, world: World) -> bool:
+    """Whether a run is of the same plan, code and versions."""
+    there, now = (_flown(names, planned) for names in (manifest["identity"], fingerprint(planned, world)))
+    return there == now
+
+
+def refuse_another(directory: RunDirectory, manifest: Manifest, planned: Planned, world: World) -> None:
     """Raise unless the run in the directory is of the same plan, code and versions; say what differs."""
-    there, now = (_flown(names, plan) for names in (manifest["identity"], fingerprint(plan, world)))
+    there, now = (_flown(names, planned) for names in (manifest["identity"], fingerprint(planned, world)))
     if there == now:
         return
     why = []
     guests = [line for key, word in GUESTS.items() for line in _changed(word, there[key], now[key])]
     if there["plan"] != now["plan"]:
-        old = directory.load("plan.json") if (directory / "plan.json").exists() else None
-        details = identity.differences(old.get("campaign") if isinstance(old, dict) else None, plan["campaign"])
+        details = identity.differences(campaign_there(directory), planned.campaign)
         if not details and not guests:  # a plug-in that changed makes other flights of the same campaign
             details = ["the same campaign expands to other flights"]
         why += [f"campaign: {line}" for line in details[:10]]
@@ -109,10 +119,17 @@ def refuse_another(directory: RunDirectory, manifest: Manifest, plan: dict[str, 
     )
 
 
-def _flown(names: Fingerprint, plan: dict[str, Any]) -> Fingerprint:
+def campaign_there(directory: RunDirectory) -> Any:
+    """The campaign of the run in a directory, as far as its plan can tell."""
+    try:
+        return opened(directory / "plan.json").campaign
+    except (BadInputError, OSError):
+        return None
+
+
+def _flown(names: Fingerprint, planned: Planned) -> Fingerprint:
     """Without the plug-ins that no flight is made of: a study that judges may change, and then judges the same flights anew."""
-    used = {name for flight in plan["flights"] for name in flight["plugins"]}
-    return names | {"plugins": {name: sha256 for name, sha256 in names["plugins"].items() if name in used}}
+    return names | {"plugins": {name: sha256 for name, sha256 in names["plugins"].items() if name in planned.plugins}}
 
 
 def _changed(word: str, there: dict[str, str], now: dict[str, str]) -> list[str]:
@@ -124,7 +141,7 @@ def _changed(word: str, there: dict[str, str], now: dict[str, str]) -> list[str]
     ]
 
 
-def provenance(manifest: Manifest, plans: Sequence[FlightPlan], flown: int) -> dict[str, Any]:
+def provenance(manifest: Manifest, planned: int, flown: int) -> dict[str, Any]:
     """What the page is told of the run's origin; of a plug-in the first digits of its SHA-256, of a package with parts its version."""
     names = manifest["identity"]
     return {key: manifest[key] for key in TOLD_OF_ORIGIN} | {
@@ -133,6 +150,6 @@ def provenance(manifest: Manifest, plans: Sequence[FlightPlan], flown: int) -> d
         "versions": names["versions"],
         "plug-in": {name: f"SHA-256 {sha256[:12]}" for name, sha256 in names["plugins"].items()},
         "package with parts": names["packages"],
-        "flights_planned": len(plans),
+        "flights_planned": planned,
         "flights_flown": flown,
     }

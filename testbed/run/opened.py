@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.results.columns import AXIS, METRICS, Kind
 from testbed.run.directory import BadInputError, RunDirectory
+from testbed.run.planned import Planned
 from testbed.run.stored import existing, plan_of
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class Run:
         return frame
 
     @cached_property
-    def _plan(self) -> tuple[Campaign, list[FlightPlan]]:
+    def _plan(self) -> tuple[Campaign, Planned]:
         return plan_of(self.directory)
 
     @property
@@ -54,9 +55,9 @@ class Run:
         return self._plan[0]
 
     @property
-    def plans(self) -> list[FlightPlan]:
-        """What was to be flown, flown yet or not."""
-        return self._plan[1]
+    def plans(self) -> Sequence[FlightPlan]:
+        """What was to be flown, flown yet or not: read from the plan's file flight by flight, as you ask for them."""
+        return self._plan[1].plans
 
     def series(self, columns: str | Sequence[str] | None = None, every_s: float | None = None) -> "pd.DataFrame":
         """What the flights did over time: ``flight_id``, ``time_s`` and the signals, one row an instant; flights in plan order.
@@ -68,7 +69,7 @@ class Run:
         import pandas as pd
 
         wanted = None if columns is None else _names("columns", columns)
-        stored = [plan.flight_id for plan in self.plans if (self.directory.columns / f"{plan.flight_id}.parquet").is_file()]
+        stored = [one for flight in self._plan[1].flights if (self.directory.columns / f"{(one := flight['flight_id'])}.parquet").is_file()]
         if not stored:
             raise BadInputError(f"{self.directory.path}: kept no series; fly the campaign with --set columns=all (or selected)")
         frames = [self._series_of(flight_id, wanted, every_s) for flight_id in stored]

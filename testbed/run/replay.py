@@ -11,7 +11,7 @@ from testbed.run import identity, journal, manifest
 from testbed.run.directory import BadInputError
 from testbed.run.engines import Died, LocalEngine
 from testbed.run.job import Job, JobResult, Row, crashed, run_job
-from testbed.run.stored import existing, plan_of, rows_of, world_of_run
+from testbed.run.stored import existing, journal_read, plan_of, rows_of, world_of_run
 
 
 @dataclass(frozen=True)
@@ -27,16 +27,21 @@ class Replay:
 def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[Job], JobResult] = run_job) -> Replay:
     """Fly one plan of a run again and record it; ``flight_id`` may be shortened as long as it fits one flight only."""
     directory = existing(path)
-    about, (_, plans) = manifest.load(directory), plan_of(directory)
-    matches = [plan for plan in plans if plan.flight_id == flight_id] or [plan for plan in plans if plan.flight_id.startswith(flight_id)]
+    about, (_, planned) = manifest.load(directory), plan_of(directory)
+    ids = [f"{number:012x}" for number in planned.ids.tolist()]
+    matches = [n for n, one in enumerate(ids) if one == flight_id] or [n for n, one in enumerate(ids) if one.startswith(flight_id)]
     if len(matches) != 1:
-        hint = "there are " + ", ".join(plan.flight_id for plan in (matches or plans)[:5]) + (", ..." if len(matches or plans) > 5 else "")
+        shown = [ids[n] for n in matches] or ids
+        hint = "there are " + ", ".join(shown[:5]) + (", ..." if len(shown) > 5 else "")
         raise BadInputError(f"{path}: {'several flights begin with' if matches else 'no flight'} '{flight_id}'; {hint}")
-    plan = matches[0]
+    plan = planned.plans[matches[0]]
     if plan.study.part.flies:
         raise BadInputError(f"{path}: '{plan.flight_id}' is what the study '{plan.study.kind}' flies, and cannot be replayed as one flight")
     recording = (out or directory.recordings / f"{plan.flight_id}.rrd").resolve()
-    stored = rows_of(directory).get(plan.flight_id)
+    rows = rows_of(directory)
+    places = rows.places(planned.ids[matches])
+    with journal_read():
+        stored = rows.lines(places, journal.row_of)[0] if places[0] >= 0 else None
     ((_, again),) = LocalEngine(1).imap(
         job, [Job(plan, recording, world=world_of_run(directory))]
     )  # in a worker, as it was flown the first time
@@ -44,7 +49,7 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
         again = crashed(Job(plan), again.reason, again.details)
     row = journal.decode(journal.encode(again)).row
     same_code = about["identity"]["code"] == identity.code_hash() and about["identity"]["versions"] == identity.versions()
-    return Replay(recording, plan.flight_id, _changes(stored.row if stored else None, row), same_code)
+    return Replay(recording, plan.flight_id, _changes(stored, row), same_code)
 
 
 def _changes(stored: Row | None, row: Row) -> list[str]:

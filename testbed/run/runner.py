@@ -1,23 +1,27 @@
 """A campaign from file to run directory: continue what is there, fly what is missing, write down what came out."""
 
+import os
 import shlex
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from testbed.campaign.words.settings import Campaign, FlightPlan
+import numpy as np
+
+from testbed.campaign.words.settings import Campaign
 from testbed.flight.record import Outcome
 from testbed.run import identity, journal, manifest, storing
+from testbed.run import planned as planned_file
 from testbed.run import world as world_files
-from testbed.run.directory import RunDirectory
+from testbed.run.directory import BadInputError, RunDirectory
 from testbed.run.engines import Died, Engine
 from testbed.run.job import Job, JobResult, crashed, run_job
 from testbed.run.manifest import Manifest
-from testbed.run.stored import existing, plan_of, rows_of
+from testbed.run.planned import Planned, opened
+from testbed.run.stored import PLAN, ROWS, existing, journal_read, plan_of, rows_of
 from testbed.run.world import World, world_of
 from testbed.run.write import write_results
 
@@ -70,95 +74,140 @@ class Order:
 
 def run(order: Order) -> Summary:
     """Fly what is not yet flown of a campaign, and write the results."""
-    from testbed.campaign import expand, load_campaign
+    from testbed.campaign import load_campaign
 
     campaign = load_campaign(order.source, overrides=order.overrides)
-    plans = list(expand(campaign))
-    plan = {"campaign": campaign.model_dump(mode="json"), "flights": [flight.model_dump(mode="json") for flight in plans]}
-    world = world_of(campaign, plans)
     text = order.source.read_bytes()  # before --fresh removes anything: the campaign may be the run's own copy
     directory = RunDirectory(order.out or RUNS / campaign.name)
     directory.claim()
     with directory.locked():
-        if order.fresh:
-            directory.clear()
-        about = _open(directory, order, campaign, plan, world)
+        about, planned, world = _continued(directory, order, campaign) or _begun(directory, order, campaign)
         # also when continuing: a run killed in its first moment has the manifest and not yet these
         directory.put("campaign.yaml", _note_overrides(order) + text)
-        directory.put("plan.json", identity.canonical(plan))
         world_files.store(directory, world)
-        flown = _fly(directory, order, campaign, plans, about, world)
-        return _written(directory, flown)
+        flown = _fly(directory, order, campaign, planned, about, world)
+        return _written(directory, campaign, planned, flown)
 
 
-def _open(directory: RunDirectory, order: Order, campaign: Campaign, plan: dict[str, Any], world: World) -> Manifest:
-    """Begin a run, or make sure that the one in the directory is the same."""
-    if directory.is_run:
-        there = manifest.load(directory)
-        manifest.refuse_another(directory, there, plan, world)
-        there["identity"] |= {"plugins": {plugin.name: plugin.sha256 for plugin in world.plugins}}
-        manifest.save(directory, there)
-        return there
-    begun = manifest.new(campaign, order.source.name, order.overrides, plan, world)
-    manifest.save(directory, begun)
-    return begun
+Open = tuple[Manifest, Planned, World]
+
+
+def _continued(directory: RunDirectory, order: Order, campaign: Campaign) -> Open | None:
+    """The run in the directory, if it can be told without expanding the campaign that it is the same: its plan is whole, and the campaign,
+    the code and all that it uses are those that made the plan. Parts from elsewhere might make another one.
+    """
+    if order.fresh or not directory.is_run or not (directory / PLAN).is_file():
+        return None
+    there = manifest.load(directory)
+    try:
+        planned = opened(directory / PLAN)
+    except BadInputError:
+        return None  # it is written anew
+    asked = manifest.question_hash(campaign)
+    if planned.plugins or planned.hash != there["identity"]["plan"] or there.get(manifest.QUESTION) != asked:
+        return None
+    world = world_of(campaign, planned.aircraft)
+    return (_noted(directory, there, world), planned, world) if manifest.is_same(there, planned, world) else None
+
+
+def _begun(directory: RunDirectory, order: Order, campaign: Campaign) -> Open:
+    """A run that begins; or the one in the directory, if it is the same by every flight."""
+    from testbed.campaign.reading.expand import each_plan
+
+    draft = directory.draft_of(PLAN)
+    try:
+        with draft.open("wb") as file:
+            planned_file.write(file, campaign, each_plan(campaign))
+            file.flush()
+            os.fsync(file.fileno())
+        planned = opened(draft)
+        world = world_of(campaign, planned.aircraft)
+        if order.fresh:
+            directory.clear()
+        if directory.is_run:
+            about = manifest.load(directory)
+            manifest.refuse_another(directory, about, planned, world)
+            about = _noted(directory, about, world)
+        else:
+            about = manifest.new(campaign, order.source.name, order.overrides, planned, world)
+            manifest.save(directory, about)
+        directory.keep(PLAN)
+    finally:
+        draft.unlink(missing_ok=True)
+    return about, replace(planned, path=directory / PLAN), world
+
+
+def _noted(directory: RunDirectory, about: Manifest, world: World) -> Manifest:
+    """A study that only judges may be another one now."""
+    about["identity"] |= {"plugins": {plugin.name: plugin.sha256 for plugin in world.plugins}}
+    manifest.save(directory, about)
+    return about
 
 
 def _note_overrides(order: Order) -> bytes:
     return "".join(f"# run with --set {shlex.quote(override)}\n" for override in order.overrides).encode()
 
 
-def _fly(directory: RunDirectory, order: Order, campaign: Campaign, plans: Sequence[FlightPlan], about: Manifest, world: World) -> int:
+def _fly(directory: RunDirectory, order: Order, campaign: Campaign, planned: Planned, about: Manifest, world: World) -> int:
     """Fly the plans that have no row yet, and again those that crashed: memory or disk may have been short."""
-    done = {flight_id for flight_id, result in rows_of(directory).items() if result.row["outcome"] != Outcome.CRASHED.value}
-    jobs = [job for job in storing.jobs(directory, campaign, plans, world) if job.plan.flight_id not in done]
-    if not jobs:
+    rows = rows_of(directory)
+    done = rows.ids[~rows.crashed]
+    left = np.flatnonzero(~np.isin(planned.ids, done))
+    if not len(left):
         return 0
     how = {"command": shlex.join(order.command), "engine": order.engine.name, "workers": order.engine.workers}
-    leg = how | {"started": _now(), "ended": None, "flights": len(jobs)}
+    leg = how | {"started": _now(), "ended": None, "flights": len(left)}
     about["history"].append(leg)
     manifest.save(directory, about)
-    already, bad = len(plans) - len(jobs), 0
-    order.progress(already, len(plans), bad)
+    already, bad = len(planned) - len(left), 0
+    order.progress(already, len(planned), bad)
+    out = _Out(storing.jobs(directory, campaign, planned, world, left))
     try:
-        with journal.appending(directory / "rows.jsonl") as rows, closing(order.engine.imap(order.job, jobs)) as results:
+        with journal.appending(directory / ROWS, rows.end) as rows_file, closing(order.engine.imap(order.job, out)) as results:
             for count, (number, result) in enumerate(results, 1):
-                finished = crashed(jobs[number], result.reason, result.details) if isinstance(result, Died) else result
-                rows.append(finished)
+                job = out.back(number)
+                finished = crashed(job, result.reason, result.details) if isinstance(result, Died) else result
+                rows_file.append(finished)
                 bad += finished.row["outcome"] == Outcome.CRASHED.value
-                order.progress(already + count, len(plans), bad)
+                order.progress(already + count, len(planned), bad)
         leg["ended"] = _now()
     finally:
         if identity.code_hash() != about["identity"]["code"]:
             about["identity"]["code"] = manifest.MIXED
         manifest.save(directory, about)
-    return len(jobs)
+    return len(left)
+
+
+class _Out:
+    """Jobs on their way through an engine: those that it has pulled, and has not answered yet."""
+
+    def __init__(self, jobs: Iterator[Job]):
+        self._jobs = jobs
+        self._out: dict[int, Job] = {}
+
+    def __iter__(self) -> Iterator[Job]:
+        for number, job in enumerate(self._jobs):
+            self._out[number] = job
+            yield job
+
+    def back(self, number: int) -> Job:
+        return self._out.pop(number)
 
 
 def report(path: Path) -> Summary:
     """Write the results of a run directory again from its rows, without flying."""
     directory = existing(path)
     with directory.locked():
-        return _written(directory)
+        return _written(directory, *plan_of(directory))
 
 
-def _written(directory: RunDirectory, flown: int = 0) -> Summary:
+def _written(directory: RunDirectory, campaign: Campaign, planned: Planned, flown: int = 0) -> Summary:
     """Write the results, and say what there is."""
-    about, (campaign, plans) = manifest.load(directory), plan_of(directory)
-    by_id = rows_of(directory)
-    checks = write_results(directory, about, campaign, plans, by_id)
-    rows = [by_id[plan.flight_id].row for plan in plans if plan.flight_id in by_id]
-    crashes = (f"{row['flight_id']}: {row['message']}" for row in rows if row["outcome"] == Outcome.CRASHED.value)
-    return Summary(
-        directory.path,
-        len(plans),
-        dict(Counter(row["outcome"] for row in rows)),
-        flown,
-        about["identity"]["code"] == manifest.MIXED,
-        checks,
-        next(crashes, ""),
-        campaign.plugins,
-    )
+    about = manifest.load(directory)
+    with journal_read():
+        made = write_results(directory, about, campaign, planned, rows_of(directory))
+    mixed = about["identity"]["code"] == manifest.MIXED
+    return Summary(directory.path, len(planned), made.outcomes, flown, mixed, made.checks, made.first_crash, campaign.plugins)
 
 
 def _now() -> str:

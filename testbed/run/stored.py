@@ -1,12 +1,16 @@
 """What a run directory holds, read again: its plan and its rows."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from testbed.campaign.words.settings import Campaign, FlightPlan
-from testbed.run import journal, manifest, world
+from testbed.campaign.words.settings import Campaign
+from testbed.run import journal, manifest, planned, world
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
-from testbed.run.job import JobResult
+from testbed.run.planned import Planned
 from testbed.run.world import World
+
+PLAN, ROWS = "plan.json", "rows.jsonl"
 
 
 def existing(path: Path) -> RunDirectory:
@@ -19,14 +23,16 @@ def existing(path: Path) -> RunDirectory:
     return directory
 
 
-def plan_of(directory: RunDirectory) -> tuple[Campaign, list[FlightPlan]]:
+def plan_of(directory: RunDirectory) -> tuple[Campaign, Planned]:
     """What was to be flown."""
-    plan = directory.load("plan.json")
+    if not (directory / PLAN).is_file():
+        raise BadInputError(f"{directory.path}: no {PLAN} here; is it a run directory?")
+    plan = planned.opened(directory / PLAN)
     world.reenter(directory, world_of_run(directory))
     try:
-        return Campaign.model_validate(plan["campaign"]), [FlightPlan.model_validate(flight) for flight in plan["flights"]]
-    except (ValueError, TypeError, KeyError) as problem:
-        raise BadInputError(f"{directory / 'plan.json'}: not a plan of this version of testbed ({problem})") from None
+        return Campaign.model_validate(plan.campaign), plan
+    except ValueError as problem:
+        raise BadInputError(f"{directory / PLAN}: not a plan of this version of testbed ({problem})") from None
 
 
 def world_of_run(directory: RunDirectory) -> World:
@@ -35,9 +41,16 @@ def world_of_run(directory: RunDirectory) -> World:
     return world.stored_world(directory, about["identity"]["plugins"], about["aircraft_path"])
 
 
-def rows_of(directory: RunDirectory) -> dict[str, JobResult]:
-    """By flight; of a flight that was flown again, the last."""
+def rows_of(directory: RunDirectory) -> journal.Index:
+    """Which flights have a row, and where; of a flight that was flown again, the last."""
+    with journal_read():
+        return journal.index(directory / ROWS)
+
+
+@contextmanager
+def journal_read() -> Iterator[None]:
+    """Whatever is wrong with a journal that is read inside is bad input."""
     try:
-        return {result.row["flight_id"]: result for result in journal.read(directory / "rows.jsonl")}
+        yield
     except journal.JournalError as problem:
         raise BadInputError(f"{problem}; mend or remove that line, or start again with --fresh") from None

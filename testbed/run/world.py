@@ -3,12 +3,12 @@
 It goes with every flight, because a worker may have been started by somebody else, on another machine.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from testbed.campaign.reading.source import STORED_PLUGINS
-from testbed.campaign.words.settings import Campaign, FlightPlan
+from testbed.campaign.words.settings import Campaign
 from testbed.core import plugins
 from testbed.core.catalogue import AIRCRAFT_ROOT, add_aircraft_path, aircraft_folders
 from testbed.core.plugins import Plugin
@@ -32,11 +32,11 @@ class World:
 NOTHING_MORE = World()
 
 
-def world_of(campaign: Campaign, plans: Sequence[FlightPlan]) -> World:
-    """What the campaign, as it was just loaded in this process, needs."""
+def world_of(campaign: Campaign, aircraft: Collection[str]) -> World:
+    """What the campaign, as it was just loaded in this process, needs to fly these aircraft."""
     files = [Path(name).stem for name in campaign.plugins]
     folders = aircraft_folders()
-    roots = {folders[name].parent for name in sorted({plan.aircraft for plan in plans})}
+    roots = {folders[name].parent for name in sorted(aircraft)}
     elsewhere = sorted(str(root) for root in roots if root != AIRCRAFT_ROOT)
     return World(plugins.texts((name, plugins.sha256_of(name)) for name in files), tuple(elsewhere))
 

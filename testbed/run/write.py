@@ -2,40 +2,62 @@
 
 import csv
 import io
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections import Counter, deque
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, BinaryIO
+
+import numpy as np
 
 from testbed.campaign.words.settings import Campaign, FlightPlan
+from testbed.flight.record import Outcome
 from testbed.run import manifest
 from testbed.run.directory import MANIFEST, OURS, BadInputError, RunDirectory, is_plain
-from testbed.run.job import JobResult
+from testbed.run.job import Row
+from testbed.run.journal import Index, decode, id_of, row_of, timings_of
 from testbed.run.manifest import Manifest, provenance
+from testbed.run.planned import Planned
 from testbed.studies.study import Run, Written
 
 if TYPE_CHECKING:
     from testbed.results.checks import CheckResult
+    from testbed.results.columns import Kind
 
 
-def write_results(
-    directory: RunDirectory, about: Manifest, campaign: Campaign, plans: Sequence[FlightPlan], by_id: dict[str, JobResult]
-) -> "tuple[CheckResult, ...]":
-    """Write what follows from the rows there are; returns the lines of the campaign's check."""
-    flown = [plan for plan in plans if plan.flight_id in by_id]
-    results = [by_id[plan.flight_id] for plan in flown]
-    rows = [result.row for result in results]
-    series = {result.row["flight_id"]: result.series for result in results if result.series is not None}
-    told = provenance(about, plans, len(rows))
-    directory.put("timings.csv", _timings(results))
+@dataclass(frozen=True)
+class Results:
+    """What was written, in short."""
+
+    checks: "tuple[CheckResult, ...]"
+    outcomes: dict[str, int]
+    first_crash: str
+    """Flight id and message of the first flight, in plan order, that crashed; empty if none did."""
+
+
+def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, planned: Planned, index: Index) -> Results:
+    """Write what follows from the rows there are. They are read as they are needed, and none is held: there may be very many."""
+    places = index.places(planned.ids)
+    there = np.flatnonzero(places >= 0)
+    rows = index.lines(places[there], row_of)
+    timings = index.lines(places[there], timings_of)
+    plans = planned.some(there)
+    curved = index.lines(places[there][index.curved[places[there]]], decode)
+    series = {result.row["flight_id"]: result.series for result in curved if result.series is not None}
+    told = provenance(about, len(planned), len(rows))
+    counted = _Counted(rows)
+    with directory.writing("timings.csv") as file:
+        _write_timings(file, index, places[there])
     checks: tuple[CheckResult, ...] = ()
     if not campaign.study.part.flies:
         from testbed.results import tables
 
-        # rows have the order of the axes, plans all their labels
-        table = tables.table(rows, tables.axis_kinds([row["labels"] for row in rows] + [plan.labels for plan in plans]))
-        directory.put("results.csv", tables.csv_bytes(table))
-        directory.put("results.parquet", tables.parquet_bytes(table))
-        checks = _check(directory, campaign, flown, results, len(plans))
-    made = _studied(campaign, Run(campaign, flown, rows, [result.timings for result in results], series, told))
+        axes = _axes(planned, there, rows)
+        with directory.writing("results.csv") as table, directory.writing("results.parquet") as columns:
+            tables.write(counted, axes, table, columns)
+        checks = _check(directory, campaign, plans, rows, len(planned))
+    else:
+        deque(counted, maxlen=0)
+    made = _studied(campaign, Run(campaign, plans, rows, timings, series, told))
     manifest.own(directory, about, list(made.files))
     for name, data in made.files.items():
         directory.put(name, data)
@@ -45,7 +67,39 @@ def write_results(
 
         page = render_page(campaign, rows, series, told, checks, made.head)
     directory.put("index.html", page.encode())
-    return checks
+    return Results(checks, dict(counted.outcomes), counted.first_crash)
+
+
+class _Counted:
+    """Rows that are counted as they go by."""
+
+    def __init__(self, rows: Iterable[Row]):
+        self._rows = rows
+        self.outcomes: Counter[str] = Counter()
+        self.first_crash = ""
+
+    def __iter__(self) -> Iterator[Row]:
+        for row in self._rows:
+            self.outcomes[row["outcome"]] += 1
+            if row["outcome"] == Outcome.CRASHED.value and not self.first_crash:
+                self.first_crash = f"{row['flight_id']}: {row['message']}"
+            yield row
+
+
+def _axes(planned: Planned, there: np.ndarray, rows: Sequence[Row]) -> "dict[str, Kind]":
+    """What the column of each axis holds. The order of the axes, which a plan file does not keep, is that of the rows: the first row
+    of each set of axes tells.
+    """
+    from testbed.results import tables
+
+    kinds = tables.kinds_of(planned.labels)
+    order: dict[str, None] = {}
+    seen: set[int] = set()
+    for row_number, number in enumerate(there):
+        if planned.axes[number] not in seen:
+            seen.add(planned.axes[number])
+            order |= dict.fromkeys(rows[row_number]["labels"])
+    return {axis: kinds[axis] for axis in dict.fromkeys([*order, *kinds]) if axis in kinds}
 
 
 def _studied(campaign: Campaign, run: Run) -> Written:
@@ -69,24 +123,25 @@ def _studied(campaign: Campaign, run: Run) -> Written:
 
 
 def _check(
-    directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan], results: Sequence[JobResult], planned: int
+    directory: RunDirectory, campaign: Campaign, plans: Sequence[FlightPlan], rows: Sequence[Row], planned: int
 ) -> "tuple[CheckResult, ...]":
     """The lines of the campaign's check, also written to ``checks.csv``; none if it has no check."""
     if campaign.check is None:
         return ()
     from testbed.results import checks
 
-    flights = [checks.Flown(plan, result.row) for plan, result in zip(plans, results, strict=True)]
+    flights = [checks.Flown(plan, row) for plan, row in zip(plans, rows, strict=True)]
     lines = checks.judge(campaign.check, flights, planned)
     directory.put("checks.csv", checks.csv_bytes(campaign.check.kind, lines))
     return lines
 
 
-def _timings(results: Sequence[JobResult]) -> bytes:
-    stages = list(dict.fromkeys(stage for result in results for stage in result.timings))
-    out = io.StringIO(newline="")
-    writer = csv.writer(out, lineterminator="\n")
+def _write_timings(file: BinaryIO, rows: Index, places: np.ndarray) -> None:
+    stages = list(dict.fromkeys(stage for stages in rows.lines(places, timings_of) for stage in stages))
+    text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=False)
+    writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["flight_id", *(f"{stage}_s" for stage in stages)])
-    for result in results:
-        writer.writerow([result.row["flight_id"], *(f"{result.timings[s]:.6f}" if s in result.timings else "" for s in stages)])
-    return out.getvalue().encode()
+    for flight_id, seconds in rows.lines(places, lambda line: (id_of(line), timings_of(line))):
+        writer.writerow([flight_id, *(f"{seconds[s]:.6f}" if s in seconds else "" for s in stages)])
+    text.flush()
+    text.detach()

@@ -6,8 +6,9 @@ from typing import Any
 
 from testbed.results.flight_row import collided, value
 from testbed.show import palette, words
-from testbed.show.campaign_summary import KINEMATIC, Row, circumstances, flyer
-from testbed.show.campaign_summary import method as method_of
+from testbed.show.campaign_summary import circumstances
+from testbed.show.gathered import KINEMATIC, Row, flyer
+from testbed.show.gathered import method as method_of
 
 MOST_PER_GROUP = 30
 MOST_IN_ALL = 150  # keeps the page under 3 MB

@@ -1,6 +1,5 @@
 """Distributions of a metric, one histogram a cell, as static SVG: readable without JavaScript, in the dark and on paper."""
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -8,20 +7,21 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from testbed.results.columns import BY_NAME
-from testbed.results.flight_row import value
 from testbed.show.words import number
 
 FEWEST = 20  # flights in a cell below which a histogram says less than the numbers
+MOST_CELLS = 150  # are pictured: of more the pictures would be half of the page
 BINS, WIDTH, HEIGHT = 24, 320, 96
 BINNED = ("cross_track_rms_m", "least_clearance_m")
 
 
 def histograms(cells: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """For each metric its pictures over one common range, which ends at the 99th percentile of all: what lies beyond is counted."""
-    crowded = [cell for cell in cells if cell["n"] >= FEWEST]
+    every = [cell for cell in cells if cell["n"] >= FEWEST]
+    crowded = every[:MOST_CELLS]
     made = []
     for key in BINNED:
-        known = [np.array([x for x in (value(row, key) for row in cell["rows"]) if math.isfinite(x)]) for cell in crowded]
+        known = [np.array(cell["values"][key]) for cell in crowded]
         if not any(len(values) for values in known):
             continue
         low, high = np.percentile(np.concatenate(known), [1.0 if key == "least_clearance_m" else 0.0, 99.0])
@@ -31,7 +31,7 @@ def histograms(cells: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
             for cell, values in zip(crowded, known, strict=True)
             if len(values)
         ]
-        made.append({"column": BY_NAME[key], "pictures": pictures})
+        made.append({"column": BY_NAME[key], "pictures": pictures, "left_out": len(every) - len(crowded)})
     return made
 
 

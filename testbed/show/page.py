@@ -1,7 +1,7 @@
 """The page of a campaign: one HTML file that needs no network, the same bytes for the same rows."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from markupsafe import Markup
@@ -15,36 +15,35 @@ from testbed.results.columns import METRICS
 from testbed.results.flight_row import collided, keeps, value
 from testbed.show import campaign_summary, words
 from testbed.show.assets import PageHead, asset, environment, packed_json, plotly
-from testbed.show.campaign_summary import Row
 from testbed.show.figures import figure_data
 from testbed.show.flight_summary import level_turn, radius_m
+from testbed.show.gathered import MOST_FLIGHT_ROWS, Row, flyer, gather, method
 from testbed.show.histogram import histograms
 from testbed.show.shown_columns import DECISION_TERMS, PAIRED, SHOWN_COLUMNS, SUMMARISED, text
 from testbed.show.words import number
 
-MOST_FLIGHT_ROWS, MOST_DECISION_ROWS, MOST_CELL_ROWS = 300, 100, 300
+MOST_TRACEBACK = 4_000  # characters, its end
 CELLS_FROM = 25  # so many flights are better read by cell
 
 
 def render_page(
     campaign: Campaign,
-    rows: list[Row],
+    rows: Iterable[Row],
     series: Mapping[str, dict[str, Any] | None],
     provenance: dict[str, Any],
     checks: Sequence[CheckResult] = (),
     head: PageHead | None = None,
 ) -> str:
-    """The whole page. ``rows`` as in rows.jsonl, ``series`` by flight id, ``provenance`` whatever should be said of the run.
+    """The whole page. ``rows`` as in rows.jsonl, read once; ``series`` by flight id, ``provenance`` whatever should be said of the run.
 
     With a ``head`` that comes first, and the ordinary parts are folded up below it.
     """
-    rows = [row | {key: (series.get(row["flight_id"]) or {}).get(key) for key in ("encounter", "geometry")} for row in rows]
-    axes, listed_axes = campaign_summary.telling_axes(rows), campaign_summary.listed_axes(rows)
-    matched = campaign_summary.pairs(rows)
-    listed = _worst_first(rows) if len(rows) > MOST_FLIGHT_ROWS else rows
-    decisions = [_decision(row, event, axes) for row in rows if row["method"] != "none" for event in row["events"]]
-    figures = figure_data(rows, series, axes)
-    by_cell = campaign_summary.cells(rows, axes) if len(rows) >= CELLS_FROM or any(row["replicate"] for row in rows) else []
+    of = gather(row | {key: (series.get(row["flight_id"]) or {}).get(key) for key in ("encounter", "geometry")} for row in rows)
+    axes, listed_axes = of.telling_axes, of.listed_axes
+    matched = campaign_summary.pairs(of.pictured)
+    listed = of.nearest if of.n > MOST_FLIGHT_ROWS else of.first
+    figures = figure_data(of.pictured, series, axes)
+    cells = campaign_summary.cells(of, axes) if of.n >= CELLS_FROM or of.replicated else []
     has_pictures = bool(figures["groups"])
     return (
         environment()
@@ -53,23 +52,24 @@ def render_page(
             campaign=campaign,
             page_head=head,
             axes=[words.axis_heading(axis) for axis in listed_axes],
-            sentences=campaign_summary.verdict(checks) + (campaign_summary.sentences(rows, matched) if rows else ["No flight was flown."]),
-            cards=campaign_summary.cards(rows) if rows else [],
+            sentences=campaign_summary.verdict(checks) + (campaign_summary.sentences(of, matched) if of.n else ["No flight was flown."]),
+            cards=campaign_summary.cards(of) if of.n else [],
             checks=[_check(line) for line in checks],
             pairs=[_pair(pair, axes) for pair in matched],
-            cells=by_cell[:MOST_CELL_ROWS],
-            cells_left_out=max(0, len(by_cell) - MOST_CELL_ROWS),
-            histograms=histograms(by_cell[:MOST_CELL_ROWS]),
+            cells=cells,
+            cells_left_out=of.cells_in_all - len(of.cells),
+            histograms=histograms(cells),
             summarised=SUMMARISED,
             paired=PAIRED,
             metrics=SHOWN_COLUMNS,
             glossary=METRICS,
-            flights=[_flight(row, listed_axes) for row in listed[:MOST_FLIGHT_ROWS]],
-            flights_left_out=max(0, len(rows) - MOST_FLIGHT_ROWS),
-            decisions=decisions[:MOST_DECISION_ROWS],
-            decisions_left_out=max(0, len(decisions) - MOST_DECISION_ROWS),
+            flights=[_flight(row, listed_axes) for row in listed],
+            flights_left_out=of.n - len(listed),
+            decisions=[_decision(row, event, axes) for row, event in of.decisions],
+            decisions_left_out=of.decisions_in_all - len(of.decisions),
             terms=DECISION_TERMS,
-            failures=[row for row in rows if row["outcome"] == Outcome.CRASHED],
+            failures=[row | {"traceback": str(row.get("traceback", ""))[-MOST_TRACEBACK:]} for row in of.failures],
+            failures_left_out=of.outcomes[Outcome.CRASHED] - len(of.failures),
             provenance=_flattened(provenance),
             has_pictures=has_pictures,
             css=asset("page.css") + (head.css if head else Markup()),
@@ -78,10 +78,6 @@ def render_page(
             plotly=plotly(),
         )
     )
-
-
-def _worst_first(rows: Sequence[Row]) -> list[Row]:
-    return sorted(rows, key=lambda row: (math.isnan(value(row, "least_clearance_m")), value(row, "least_clearance_m")))
 
 
 def _sortable(amount: float) -> str:
@@ -95,7 +91,7 @@ def _flight(row: Row, axes: Sequence[str]) -> dict[str, Any]:
         "outcome_text": words.outcome(str(row["outcome"])),
         "labels": [str(row["labels"].get(axis, "")) for axis in axes],
         "replicate": row["replicate"],
-        "flyer": campaign_summary.flyer(row),
+        "flyer": flyer(row),
         "method": words.method(str(row["method"])),
         "cells": [{"text": text(column, row), "sort": _sortable(value(row, column.name))} for column in SHOWN_COLUMNS],
         "collided": collided(row),
@@ -124,8 +120,8 @@ def _pair(pair: campaign_summary.Pair, axes: Sequence[str]) -> dict[str, Any]:
             pair.flown, [a for a in axes if pair.flown["labels"].get(a) == pair.kinematic["labels"].get(a)]
         )
         or "the encounter",
-        "flyer": campaign_summary.flyer(pair.flown),
-        "method": campaign_summary.method(pair.flown),
+        "flyer": flyer(pair.flown),
+        "method": method(pair.flown),
         "verdict": pair.verdict,
         "good": keeps(pair.flown),
         "known": pair.known,
@@ -158,11 +154,11 @@ def _decision(row: Row, event: Row, axes: Sequence[str]) -> dict[str, Any]:
     curvature = value(event, "max_curvature_to_insertion_1pm")
     bank_deg, load = level_turn(math.hypot(*_vector(event, "own_vel_enu_mps")), curvature)
     radius = radius_m(curvature)
-    method = campaign_summary.method(row) if event["method"] == row["method"] else words.method(str(event["method"]))
+    name = method(row) if event["method"] == row["method"] else words.method(str(event["method"]))
     return {
         "circumstances": campaign_summary.circumstances(row, axes) or "the encounter",
-        "flyer": campaign_summary.flyer(row),
-        "method": f"{method} against {event['obstacle']}" if event["obstacle"] else method,
+        "flyer": flyer(row),
+        "method": f"{name} against {event['obstacle']}" if event["obstacle"] else name,
         "decision": words.read_aloud(str(event["decision"])),
         "done": event["decision"] in NEW_PATH,
         "cells": [

@@ -106,6 +106,26 @@ def counted(number_of: int, noun: str) -> str:
     return f"{number_of} {noun}" + ("" if number_of == 1 else "s")
 
 
+def size(number_of_bytes: float) -> str:
+    """Bytes, with two digits that count: ``830 B``, ``2.1 kB``, ``15 MB``."""
+    value, unit = number_of_bytes, "B"
+    for larger in ("kB", "MB", "GB", "TB"):
+        if float(f"{value:.1e}") < 1000.0:
+            break
+        value, unit = value / 1000.0, larger
+    value = float(f"{value:.1e}")
+    return f"{value:.1f} {unit}" if value < 10.0 and unit != "B" else f"{value:.0f} {unit}"
+
+
+def duration(seconds: float) -> str:
+    """A time to wait, with two digits that count: ``8 s``, ``25 min``, ``3.5 h``."""
+    for per, unit, up_to in ((1.0, "s", 100.0), (60.0, "min", 100.0), (3600.0, "h", 100.0), (86400.0, "days", math.inf)):
+        value = float(f"{seconds / per:.1e}")
+        if value < up_to:
+            return f"{value:.1f} {unit}" if value < 10.0 and per > 1.0 else f"{value:.0f} {unit}"
+    raise ValueError(f"{seconds} s is no time to wait")
+
+
 def sentence(text: str) -> str:
     """With a full stop, and only one."""
     return text if not text or text.endswith((".", "?", "!")) else f"{text}."

@@ -25,7 +25,11 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Run:
-    """The flights that have a row, in plan order: plan, row as in ``rows.jsonl``, and wall-clock seconds of each, side by side."""
+    """The flights that have a row, in plan order: plan, row as in ``rows.jsonl``, and wall-clock seconds of each, side by side.
+
+    All three are read from the run's files flight by flight as they are asked for, each time anew, since there may be more of them than
+    memory holds: go through them once, and keep what you need.
+    """
 
     campaign: "Campaign"
     plans: "Sequence[FlightPlan]"

@@ -1,6 +1,7 @@
 import fcntl
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -179,7 +180,7 @@ def test_bad_input_is_exit_2_and_one_message(tmp_path, arguments, message):
 
 def test_validate_names_every_bad_file_and_counts_the_flights_of_good_ones(tmp_path):
     (tmp_path / "bad.yaml").write_text("- 1\n")
-    done = testbed("validate", "bad.yaml", SMOKE, cwd=tmp_path)
+    done = testbed("validate", "--no-estimate", "bad.yaml", SMOKE, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stdout == f"{SMOKE}: 4 flights in 4 cells\n"
     assert "bad.yaml" in done.stderr
@@ -188,16 +189,28 @@ def test_validate_names_every_bad_file_and_counts_the_flights_of_good_ones(tmp_p
 def test_validate_counts_the_flights_of_each_part(tmp_path):
     text = Path(SMOKE).read_text().partition("sweep:")[0] + "parts:\n  a: {replicates: 3, sweep: {replan.k: [1, 2]}}\n  b: {}\n"
     (tmp_path / "parts.yaml").write_text(text)
-    done = testbed("validate", "parts.yaml", cwd=tmp_path)
+    done = testbed("validate", "--no-estimate", "parts.yaml", cwd=tmp_path)
     assert done.stdout == "parts.yaml: 7 flights in 3 cells\n  a: 6 flights in 2 cells\n  b: 1 flight in 1 cell\n"
 
 
 def test_validate_takes_the_settings_that_run_takes(tmp_path):
-    more = testbed("validate", SMOKE, "--set", "replicates=3", "--set", "sweep.plant.kind=[kinematic]", cwd=tmp_path)
+    more = testbed("validate", "--no-estimate", SMOKE, "--set", "replicates=3", "--set", "sweep.plant.kind=[kinematic]", cwd=tmp_path)
     assert (more.returncode, more.stdout) == (0, f"{SMOKE}: 6 flights in 2 cells\n")
     bad = testbed("validate", SMOKE, SMOKE, "--set", "speed_mps=90", cwd=tmp_path)
     assert (bad.returncode, bad.stdout) == (2, "")
     assert bad.stderr.count("--set speed_mps=90: speed_mps: gtm_t2 holds") == 2
+
+
+def test_validate_says_what_the_run_will_take(tmp_path):
+    more = testbed("validate", SMOKE, "--workers", "3", "--set", "replicates=200", "--set", "recordings=none", cwd=tmp_path)
+    count, disk, wait = more.stdout.splitlines()
+    assert count == f"{SMOKE}: 800 flights in 4 cells"
+    told = re.fullmatch(r"  on disk about ([\d.]+) kB a flight, ([\d.]+) MB in all \((.*)\), and a page of at most 5 MB", disk)
+    assert told, disk
+    assert float(told[1]) * 0.8 == pytest.approx(float(told[2]), rel=0.05)
+    assert [part.split()[0] for part in told[3].split(", ")] == "plan.json rows.jsonl timings.csv results.csv results.parquet".split()
+    assert re.fullmatch(r"  about [\d.]+ (s|min|h) with 3 workers, by \d flights? flown to see", wait), wait
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_there_is_to_choose_from(tmp_path):

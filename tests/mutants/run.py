@@ -30,7 +30,19 @@ LONGEST_S = 300
 """The tests of one mutant; what takes longer hangs."""
 MOST_TESTS = 40
 """The quickest that pass through the line: the others would say the same later."""
-COPIED = ("testbed", "vosc", "tests", "aircraft", "campaigns", "docs", "reports", "pyproject.toml", "README.md", "CONTRIBUTING.md", "Makefile")
+COPIED = (
+    "testbed",
+    "vosc",
+    "tests",
+    "aircraft",
+    "campaigns",
+    "docs",
+    "reports",
+    "pyproject.toml",
+    "README.md",
+    "CONTRIBUTING.md",
+    "Makefile",
+)
 NOT_COPIED = shutil.ignore_patterns("runs", "__pycache__", ".hypothesis", "*.rrd")
 SAME_MEANING = ("BitOr", "ReplaceBinaryOperator_BitOr", "AddDecorator", "RemoveDecorator", "VariableInserter", "VariableReplacer")
 """Changes that a type annotation or an import already refuses, or that need arguments."""
@@ -94,7 +106,19 @@ def _passing_through(asked: argparse.Namespace, scratch: Path) -> Passing:
         return known
     settings, data = scratch / "coveragerc", scratch / "coverage"
     settings.write_text(f"[run]\ndynamic_context = test_function\nsource = testbed\n    vosc\ndata_file = {data}\n")
-    command = [asked.python, "-m", "coverage", "run", f"--rcfile={settings}", "-m", "pytest", "-q", "-p", "no:cacheprovider", "--durations=0"]
+    command = [
+        asked.python,
+        "-m",
+        "coverage",
+        "run",
+        f"--rcfile={settings}",
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "--durations=0",
+    ]
     done = subprocess.run([*command, "-m", "not browser and not viewer"], cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode:
         raise SystemExit(f"the tests fail before anything is changed:\n{done.stdout[-3000:]}")
@@ -201,7 +225,12 @@ def _tried(mutant: Mutant, copy: Path, python: str, passes: Passing) -> tuple[st
     file.write_text(after or before, encoding="utf-8")
     try:
         # without the compiled files of the change before: they may have the same second and size
-        environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        environment = os.environ | {
+            "PYTHONPATH": str(copy),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+        }
         command = [python, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
         done = subprocess.run(command, cwd=copy, env=environment, timeout=LONGEST_S, capture_output=True, check=False)
         return ("survived" if done.returncode == 0 else "killed"), change

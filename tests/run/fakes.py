@@ -130,7 +130,7 @@ def fly_badly(job):
 
 def page(campaign, rows, series, provenance, checks, head):
     """A page that shows all it is given."""
-    return json.dumps([campaign.name, rows, series, provenance, [str(line) for line in checks], head], sort_keys=True)
+    return json.dumps([campaign.name, list(rows), series, provenance, [str(line) for line in checks], head], sort_keys=True)
 
 
 def ignores_ctrl_c(_item):

@@ -2,6 +2,7 @@ import subprocess
 
 import pytest
 
+from testbed.core.canonical import canonical, cut
 from testbed.run import identity
 
 
@@ -80,5 +81,12 @@ def test_differences_name_the_leaf():
 
 
 def test_a_plan_hash_depends_on_values_not_on_the_order_of_keys():
-    assert identity.plan_hash({"a": 1, "b": 2.5}) == identity.plan_hash({"b": 2.5, "a": 1})
-    assert identity.plan_hash({"a": 1}) != identity.plan_hash({"a": 2})
+    assert canonical({"a": 1, "b": 2.5}) == canonical({"b": 2.5, "a": 1})
+    assert canonical({"a": 1}) != canonical({"a": 2})
+
+
+def test_data_that_differ_in_few_keys_are_written_once_and_read_the_same():
+    data = {"z": 0, "b": {"y": [1, 2.5], "x": None}, "a": "first", "c": 3}
+    for holes in (("a", "z"), ("b",), ("b", "c"), tuple(sorted(data))):
+        pieces = cut(data, *holes)
+        assert b"".join(piece + canonical(data[hole]) for piece, hole in zip(pieces, holes, strict=False)) + pieces[-1] == canonical(data)

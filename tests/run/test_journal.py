@@ -50,7 +50,7 @@ def test_numpy_values_are_written_as_plain_ones():
 
 def test_rows_are_appended(tmp_path):
     path = tmp_path / "rows.jsonl"
-    assert journal.read(path) == []
+    assert list(journal.read(path)) == []
     write(path, result(0))
     write(path, result(1), result(2))
     assert [r.row["flight_id"] for r in journal.read(path)] == ["f0", "f1", "f2"]
@@ -81,7 +81,7 @@ def test_damage_before_the_last_line_is_refused_with_its_place_and_nothing_is_lo
     damaged = journal.encode(result(0)) + b"not a row\n" + journal.encode(result(2))
     path.write_bytes(damaged)
     with pytest.raises(journal.JournalError, match=r"rows\.jsonl:2: not a row"):
-        journal.read(path)
+        list(journal.read(path))
     with pytest.raises(journal.JournalError), journal.appending(path):
         pytest.fail("opened a damaged journal")
     assert path.read_bytes() == damaged

@@ -127,7 +127,7 @@ def test_the_page_says_which_text_of_a_plug_in_was_flown_and_which_package(study
     directory = RunDirectory(summary.directory)
     told_of = manifest.load(directory)
     told_of["identity"]["packages"] = {"their-parts": "1.2"}
-    told = provenance(told_of, plan_of(directory)[1], 4)
+    told = provenance(told_of, len(plan_of(directory)[1]), 4)
     assert (told["plug-in"], told["package with parts"]) == ({"tangent": f"SHA-256 {digits}"}, {"their-parts": "1.2"})
 
 

@@ -5,6 +5,7 @@ import gzip
 import json
 import math
 import re
+from array import array
 from collections.abc import Callable
 from dataclasses import asdict
 from html.parser import HTMLParser
@@ -19,6 +20,7 @@ from testbed.flight.record import FlightRecord
 from testbed.results.checks import CheckResult
 from testbed.results.columns import METRICS, FlightMetrics
 from testbed.show import campaign_summary, figures
+from testbed.show.gathered import gather
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
 
@@ -112,9 +114,9 @@ def test_axes_that_only_some_parts_have(four: tuple[list[Row], dict[str, Any]]) 
         row |= {"plant": "jsbsim", "method": labels.get("method.kind", "none")}
     page = parsed(render_page(campaign(), rows, series, PROVENANCE))
     text = " ".join(" ".join(page.text).split())
-    assert campaign_summary.listed_axes(rows) == campaign_summary.telling_axes(rows) == ["part", "reading"]
+    assert gather(rows).listed_axes == gather(rows).telling_axes == ["part", "reading"]
     assert "None" not in text
-    assert [campaign_summary.circumstances(row, campaign_summary.telling_axes(rows)) for row in rows] == [
+    assert [campaign_summary.circumstances(row, gather(rows).telling_axes) for row in rows] == [
         "first",
         "first",
         "second, a",
@@ -128,7 +130,7 @@ def test_a_swept_option_of_the_method_is_part_of_the_method_s_name(four: tuple[l
         row |= {"method": "tangent:avoid", "labels": {"method.options.side": side, "replan.k": "1.5" if side == "left" else "2"}}
         for event in row["events"]:
             event["method"] = "tangent:avoid"
-    assert campaign_summary.telling_axes(rows) == []
+    assert gather(rows).telling_axes == []
     page = render_page(campaign(replicates=2), rows, series, PROVENANCE)
     for heading in ("side (method)", "k (replan)"):
         assert f'<button type="button">{heading}</button>' in page
@@ -195,9 +197,9 @@ def test_the_answer_in_words_follows_the_rows(four: tuple[list[Row], dict[str, A
 def test_where_there_was_no_obstacle_nothing_is_said_of_one(four: tuple[list[Row], dict[str, Any]]) -> None:
     rows, _ = four
     alone = [row | {"least_clearance_m": math.nan} for row in rows]
-    assert not any("obstacle" in sentence for sentence in campaign_summary.sentences(alone, []))
-    assert "collisions" not in [card["name"] for card in campaign_summary.cards(alone)]
-    assert "collisions" in [card["name"] for card in campaign_summary.cards(rows)]
+    assert not any("obstacle" in sentence for sentence in campaign_summary.sentences(gather(alone), []))
+    assert "collisions" not in [card["name"] for card in campaign_summary.cards(gather(alone))]
+    assert "collisions" in [card["name"] for card in campaign_summary.cards(gather(rows))]
 
 
 def test_the_shades_of_crowded_cells_stand_out_by_day_and_by_night(four: tuple[list[Row], dict[str, Any]]) -> None:
@@ -347,9 +349,9 @@ def test_crowded_cells_have_a_histogram_that_counts_every_flight() -> None:
 
     rng = np.random.default_rng(4)
     rms = np.append(rng.uniform(0.0, 0.4, 199), 9.0)
-    rows = [{"cross_track_rms_m": float(x), "least_clearance_m": None} for x in rms]
-    few = {"n": 3, "rows": rows[:3], "circumstances": "few", "flyer": "x", "method": "none"}
-    (metric,) = histograms([{"n": 200, "rows": rows, "circumstances": "<b>", "flyer": "gtm_t2", "method": "none"}, few])
+    values = {"cross_track_rms_m": array("d", rms), "least_clearance_m": array("d")}
+    few = {"n": 3, "values": {name: known[:3] for name, known in values.items()}, "circumstances": "few", "flyer": "x", "method": "none"}
+    (metric,) = histograms([{"n": 200, "values": values, "circumstances": "<b>", "flyer": "gtm_t2", "method": "none"}, few])
     (picture,) = metric["pictures"]
     svg = str(picture["svg"])
     heights = [float(part.split('"')[0]) for part in svg.split('height="')[1:]]

@@ -1,9 +1,8 @@
 """A campaign's flights: the plan of every cell and replicate, and the identity of each."""
 
 import hashlib
-import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 from pydantic import ValidationError
@@ -14,40 +13,53 @@ from testbed.campaign.reading.document import Assignment, Document, Fault, NoSuc
 from testbed.campaign.reading.draws import DrawError, drawn
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
-from testbed.campaign.words.grid import Part
+from testbed.campaign.words.grid import PART, Part
 from testbed.campaign.words.limits import Limits
 from testbed.campaign.words.planning import PlannerSpec
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.population import NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings, Vary
 from testbed.core import registry
+from testbed.core.canonical import canonical, cut
 
 Encounter = Callable[[float, int, int], dict[str, Any]]
 """From own speed (m/s), seed and replicate to an obstacle."""
+
+KEPT_ENCOUNTERS = 5_000
+"""Drawn encounters that wait for the next cell, 1 kB each; of more replicates each cell draws its own again, which are the same."""
 
 PlannedCell = tuple[Cell, Document, FlightPlan | list[Fault]]
 
 
 def expand(campaign: Campaign) -> tuple[FlightPlan, ...]:
     """Every flight of a campaign: parts and cells in the order as written (last axis fastest), replicates innermost."""
+    return tuple(each_plan(campaign))
+
+
+def each_plan(campaign: Campaign) -> Iterator[FlightPlan]:
+    """The same, each made when it is asked for: there may be more of them than memory holds. Raises ``SpecError`` on the way."""
     blocks, problems = blocks_of(_tree_of(campaign))
     parts = resolved_parts(campaign)
     problems = problems or size_problems(blocks, campaign, NOWHERE)
     problems = problems or [found for b in blocks for found in skip_problems(b) + overwritten_draws(b, parts[b.part])]
     if problems:
         raise SpecError(problems)
-    plans: list[FlightPlan] = []
     for block in blocks:
         part = parts[block.part]
-        encounter = cache(part.encounters.drawn) if part.encounters else None  # every cell meets the same
+        encounter = lru_cache(KEPT_ENCOUNTERS)(part.encounters.drawn) if part.encounters else None  # every cell meets the same
         for cell, document, plan in plans_of_cells(campaign, block, part, Tree({})):
             if not isinstance(plan, FlightPlan):
                 raise SpecError(found for fault in plan if (found := document.problem(fault, suspects(block, cell))))
             if part.draw or encounter:
-                plans.extend(_drawn_replicates(campaign, block, part, encounter, (cell, document, plan)))
+                yield from _drawn_replicates(campaign, block, part, encounter, (cell, document, plan))
             else:
-                plans.extend(_replicates(plan, part.replicates or 1))
-    return tuple(plans)
+                yield from _replicates(plan, part.replicates or 1)
+
+
+def axes_in_order(campaign: Campaign) -> dict[str, tuple[str, ...]]:
+    """Of each part (without parts of an empty name) the axes of its flights as they were written, the part's own name first."""
+    blocks, _ = blocks_of(_tree_of(campaign))
+    return {block.part: (*([PART] if block.part else []), *(axis.name for axis in block.axes)) for block in blocks}
 
 
 def sizes(campaign: Campaign) -> dict[str, tuple[int, int]]:
@@ -69,7 +81,7 @@ def flight_id(plan: FlightPlan) -> str:
 
     The campaign's name is left out: renaming a campaign changes no flight.
     """
-    return _hash(_identity(plan))
+    return _short(canonical(_identity(plan)))
 
 
 def with_origins(plan: FlightPlan) -> FlightPlan:
@@ -107,17 +119,15 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
     return unsaid
 
 
-def _hash(identity: dict[str, Any]) -> str:
-    canonical = json.dumps(identity, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()[:12]
+def _short(identity: bytes) -> str:
+    return hashlib.sha256(identity).hexdigest()[:12]
 
 
 def _replicates(plan: FlightPlan, count: int) -> Iterator[FlightPlan]:
     """Copies that share their (frozen) sections."""
-    identity = _identity(plan)
+    before, after = cut(_identity(plan), "replicate")
     for replicate in range(count):
-        identity["replicate"] = replicate
-        yield plan.model_copy(update={"replicate": replicate, "flight_id": _hash(identity)})
+        yield plan.model_copy(update={"replicate": replicate, "flight_id": _short(before + canonical(replicate) + after)})
 
 
 def _drawn_replicates(
@@ -131,7 +141,9 @@ def _drawn_replicates(
         try:
             if encounter:
                 document = cell_document(campaign, block, cell, Tree({}), encounter(plan.speed_mps, campaign.seed, replicate))
-            made = FlightPlan.model_validate({**document.data, **who, "replicate": replicate})
+                made = FlightPlan.model_validate({**document.data, **who, "replicate": replicate})
+            else:
+                made = plan.model_copy(update={"replicate": replicate})
             if replicate and part.draw:
                 values = {path: drawn(draw, path, made, campaign.seed, replicate) for path, draw in part.draw.items()}
                 assignments = [Assignment(path, Tree.plain(value), path, NOWHERE, NOWHERE) for path, value in values.items()]

@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from testbed.show import words
 from testbed.show.assets import PageHead, asset, environment, packed_json
-from testbed.show.campaign_summary import Row
+from testbed.show.gathered import Row
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Waterfall
 from testbed.studies.scoam.page import bars, detail, paper_names, picture_data, table
 from testbed.studies.scoam.page.quotable import paragraphs

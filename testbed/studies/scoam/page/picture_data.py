@@ -8,7 +8,7 @@ from testbed.core.catalogue import aircraft_folders
 from testbed.flight.plants.aircraft import load_aircraft
 from testbed.results.flight_row import collided, value
 from testbed.show import palette
-from testbed.show.campaign_summary import Row
+from testbed.show.gathered import Row
 from testbed.show.words import named, number
 from testbed.studies.scoam.labels import Axis, Compass, Design, Part, Rung, Severity
 from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, ENCOUNTER, METHOD
