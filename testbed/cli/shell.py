@@ -5,15 +5,16 @@
 
 import contextlib
 import functools
-import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, NoReturn, TextIO
+from typing import Annotated, Any, NoReturn
 
 import typer
 import typer.core
 import typer.main
+
+from testbed.cli.streams import UnsaidError, say
 
 
 class _WithPlugged(typer.core.TyperGroup):
@@ -55,15 +56,6 @@ app = typer.Typer(
 CRASHED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
-def say(text: str, stream: TextIO | None = None) -> None:
-    """Print; a reader that has gone away (``| head``) is no reason to fail."""
-    stream = stream or sys.stdout
-    try:
-        print(text, file=stream, flush=True)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-
-
 def fail(text: str, code: int = BAD_INPUT) -> NoReturn:
     """Say what is wrong, and exit."""
     say(text, sys.stderr)
@@ -81,6 +73,8 @@ def bad_input() -> Iterator[None]:
         yield
     except (SpecError, BadInputError, EngineError) as problem:
         fail(str(problem))
+    except UnsaidError as problem:
+        fail(str(problem), CRASHED)
     except OSError as problem:  # a disk that is full, a folder that is read-only
         fail(": ".join(str(part) for part in (problem.filename, problem.strerror or problem) if part is not None))
 

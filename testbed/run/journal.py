@@ -17,6 +17,7 @@ from testbed.core.frames import Vec3
 from testbed.flight.record import ReplanEvent
 from testbed.results.columns import FlightMetrics
 from testbed.results.plain import plain
+from testbed.run import foreign
 from testbed.run.job import JobResult, Row
 
 SYNC_EVERY = 16
@@ -71,7 +72,7 @@ def _lines(path: Path) -> Iterator[tuple[bytes, JobResult]]:
             if not line.endswith(b"\n"):
                 raise ValueError("no end of line")
             result = decode(line)
-        except (ValueError, KeyError, TypeError, AttributeError) as problem:
+        except (ValueError, KeyError, TypeError, AttributeError, OverflowError) as problem:
             if number == len(lines):
                 return  # the driver was killed while it wrote, or the power went
             raise JournalError(f"{path}:{number}: not a row of a run ({problem})") from None
@@ -86,7 +87,8 @@ def encode(result: JobResult) -> bytes:
 
 def decode(line: bytes) -> JobResult:
     """The inverse of ``encode``, apart from tuples, which come back as lists."""
-    data = json.loads(line)
+    data = foreign.loads(line)
+    foreign.checked_row(data)
     row: Row = data["row"]
     if "found" in row:
         row["found"] = {name: _numbers(value) for name, value in row["found"].items()}

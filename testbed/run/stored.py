@@ -5,6 +5,7 @@ from pathlib import Path
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.run import journal, manifest, world
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
+from testbed.run.foreign import is_id
 from testbed.run.job import JobResult
 from testbed.run.world import World
 
@@ -16,6 +17,7 @@ def existing(path: Path) -> RunDirectory:
         raise BadInputError(f"{path}: no such directory")
     if not directory.is_run:
         raise BadInputError(f"{path}: not a run directory (it has no {MANIFEST})")
+    directory.refuse_strange()
     return directory
 
 
@@ -24,7 +26,10 @@ def plan_of(directory: RunDirectory) -> tuple[Campaign, list[FlightPlan]]:
     plan = directory.load("plan.json")
     world.reenter(directory, world_of_run(directory))
     try:
-        return Campaign.model_validate(plan["campaign"]), [FlightPlan.model_validate(flight) for flight in plan["flights"]]
+        campaign, plans = Campaign.model_validate(plan["campaign"]), [FlightPlan.model_validate(flight) for flight in plan["flights"]]
+        if wrong := [flight.flight_id for flight in plans if not is_id(flight.flight_id)]:
+            raise ValueError(f"{wrong[0]!r} is no flight's id")
+        return campaign, plans
     except (ValueError, TypeError, KeyError) as problem:
         raise BadInputError(f"{directory / 'plan.json'}: not a plan of this version of testbed ({problem})") from None
 

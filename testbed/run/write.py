@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from testbed.campaign.words.settings import Campaign, FlightPlan
+from testbed.core.utf8 import utf8
 from testbed.run import manifest
-from testbed.run.directory import MANIFEST, OURS, BadInputError, RunDirectory, is_plain
+from testbed.run.directory import MANIFEST, OURS, BadInputError, RunDirectory
+from testbed.run.foreign import is_plain
 from testbed.run.job import JobResult
 from testbed.run.manifest import Manifest, provenance
 from testbed.studies.study import Run, Written
@@ -44,7 +46,7 @@ def write_results(
         from testbed.show.page import render_page
 
         page = render_page(campaign, rows, series, told, checks, made.head)
-    directory.put("index.html", page.encode())
+    directory.put("index.html", utf8(page))
     return checks
 
 
