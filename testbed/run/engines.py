@@ -20,6 +20,8 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any, Protocol, TypeVar
 
+from testbed.run import main_script
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 Numbered = tuple[int, Any]
@@ -161,7 +163,7 @@ class _Crew:
         if not hand.ready:
             self.failed_starts += 1
             if self.failed_starts >= FAILED_STARTS:
-                raise EngineError(f"{FAILED_STARTS} worker processes in a row ended before they could start; the last one {how}")
+                raise EngineError(f"{FAILED_STARTS} worker processes in a row ended before they could start; the last one {how}; {main_script.GUARD}")
         elif hand.outstanding:
             yield hand.outstanding[0][0], _Lost(how)
 
@@ -185,7 +187,7 @@ def _hire(fn: Callable) -> _Hand:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=_work, args=(theirs, fn), daemon=True)
-    with environment_of_workers():
+    with environment_of_workers(), main_script.left_out(fn):
         process.start()
     theirs.close()
     return _Hand(process, ours)
