@@ -3,7 +3,7 @@
 
 import sys
 
-from testbed.cli.shell import BAD_INPUT, CRASHED, INTERRUPTED, app
+from testbed.cli.shell import BAD_INPUT, CRASHED, INTERRUPTED, app, told
 from testbed.cli import runs, parts, aircraft, streams
 
 __all__ = ["aircraft", "app", "main", "parts", "runs"]
@@ -32,6 +32,6 @@ def _called() -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except OSError as problem:  # the help on a full disk, which the command line's own library prints
-        streams.say(": ".join(str(part) for part in (problem.filename, problem.strerror or problem) if part is not None), sys.stderr)
+        streams.say(told(problem), sys.stderr)
         return CRASHED if problem.filename is None else BAD_INPUT
     return 0

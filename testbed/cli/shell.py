@@ -4,7 +4,9 @@
 """
 
 import contextlib
+import errno
 import functools
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -56,6 +58,21 @@ app = typer.Typer(
 CRASHED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
+def told(problem: OSError) -> str:
+    """What the system says of which file."""
+    if problem.filename is None and problem.errno == errno.ENOENT and not _has_current_folder():
+        return "the current folder was removed: change to another"
+    return ": ".join(str(part) for part in (problem.filename, problem.strerror or problem) if part is not None)
+
+
+def _has_current_folder() -> bool:
+    try:
+        os.getcwd()
+    except OSError:
+        return False
+    return True
+
+
 def fail(text: str, code: int = BAD_INPUT) -> NoReturn:
     """Say what is wrong, and exit."""
     say(text, sys.stderr)
@@ -76,7 +93,7 @@ def bad_input() -> Iterator[None]:
     except UnsaidError as problem:
         fail(str(problem), CRASHED)
     except OSError as problem:  # a disk that is full, a folder that is read-only
-        fail(": ".join(str(part) for part in (problem.filename, problem.strerror or problem) if part is not None))
+        fail(told(problem))
 
 
 def _version(wanted: bool) -> None:

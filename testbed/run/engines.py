@@ -163,7 +163,9 @@ class _Crew:
         if not hand.ready:
             self.failed_starts += 1
             if self.failed_starts >= FAILED_STARTS:
-                raise EngineError(f"{FAILED_STARTS} worker processes in a row ended before they could start; the last one {how}; {main_script.GUARD}")
+                raise EngineError(
+                    f"{FAILED_STARTS} worker processes in a row ended before they could start; the last one {how}; {main_script.GUARD}"
+                )
         elif hand.outstanding:
             yield hand.outstanding[0][0], _Lost(how)
 

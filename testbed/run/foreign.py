@@ -26,7 +26,14 @@ _LISTS: Final = ("paths", "obstacles", "decisions")
 
 def is_plain(name: Any) -> bool:
     """Whether it names a file in the run directory itself, and none that is hidden."""
-    return isinstance(name, str) and Path(name).name == name and not name.startswith(".") and "\0" not in name and whole(name) == name
+    return (
+        isinstance(name, str)
+        and name != ""
+        and Path(name).name == name
+        and not name.startswith(".")
+        and "\0" not in name
+        and whole(name) == name
+    )
 
 
 def is_id(name: Any) -> bool:

@@ -36,6 +36,9 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
     if plan.study.part.flies:
         raise BadInputError(f"{path}: '{plan.flight_id}' is what the study '{plan.study.kind}' flies, and cannot be replayed as one flight")
     recording = (out or directory.recordings / f"{plan.flight_id}.rrd").resolve()
+    if recording.is_dir():
+        raise BadInputError(f"{recording}: a directory; name a file with --out")
+    recording.parent.mkdir(parents=True, exist_ok=True)  # here, where what is wrong with the place can be told
     stored = rows_of(directory).get(plan.flight_id)
     ((_, again),) = LocalEngine(1).imap(
         job, [Job(plan, recording, world=world_of_run(directory))]

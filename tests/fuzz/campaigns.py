@@ -5,6 +5,7 @@ import random
 from collections.abc import Callable
 from typing import Any
 
+from testbed.campaign.words.settings import Campaign
 from vosc.methods import METHODS
 
 Draw = Callable[[random.Random], Any]
@@ -180,6 +181,10 @@ LIKELY = ("plant", "method", "obstacles", "air.wind", "route", "speed_mps", "rep
 SPEEDS = {"gtm_t2": 50, "c172p": 50, "t37": 100}
 
 
+LIMITS = {"limits": {"flight_s": 90.0}} if "limits" in Campaign.model_fields else {}
+"""A quarter of an hour in the air finds no more than a minute and a half."""
+
+
 def plain() -> dict[str, Any]:
     """What is changed: the paper's encounter, on rails."""
     return {
@@ -206,6 +211,7 @@ def plain() -> dict[str, Any]:
         ],
         "plant": {"kind": "kinematic"},
         "recordings": "none",
+        **LIMITS,
     }
 
 

@@ -1,6 +1,8 @@
 """A case by its kind and number: made from a seed, tried, judged. The same seed and number are the same case on every machine."""
 
+import importlib
 import json
+import os
 import random
 import shutil
 import traceback
@@ -144,11 +146,19 @@ def _other_number(rng: random.Random, line: str) -> str:
 KINDS: dict[str, Callable[[Case], None]] = {"yaml": yaml, "set": sets, "flown": flown, "aircraft": aircraft}
 
 
+def _by_name(kind: str) -> Callable[[Case], None]:
+    """A kind of the table, or the function that a test of the fuzzer itself names in the environment."""
+    if kind in KINDS:
+        return KINDS[kind]
+    module, _, name = os.environ["FUZZ_KIND"].partition(":")
+    return getattr(importlib.import_module(module), name)
+
+
 def attempt(kind: str, seed: int, number: int, folder: Path) -> tuple[str, list[str]]:
     """(what it came to, what is wrong with that). An exception is wrong, whatever it is."""
     case = Case(kind, seed, number, folder)
     try:
-        KINDS[kind](case)
+        _by_name(kind)(case)
     except Exception as bug:
         last = traceback.extract_tb(bug.__traceback__)[-1]
         case.faults.append(f"{type(bug).__name__}: {str(bug)[:200]} {Path(last.filename).name}:{last.lineno}")
