@@ -19,7 +19,10 @@ FOLDERS: Final = ("recordings", "columns", "plugins")
 """Those of a run directory; everything else of ours in it is a file."""
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
-_TYPES: Final[dict[Kind, Any]] = {Kind.TEXT: str, Kind.WHOLE: int, Kind.NUMBER: int | float | None, Kind.FLAG: bool | None}
+_TYPES: Final = {Kind.TEXT: (str,), Kind.WHOLE: (int,), Kind.NUMBER: (float, int, type(None)), Kind.FLAG: (bool, type(None))}
+_WHO: Final = [(column.name, column.kind, _TYPES[column.kind]) for column in IDENTITY_COLUMNS]
+_MEASURED: Final = [(column.name, column.kind, _TYPES[column.kind]) for column in METRICS]
+_OUTCOMES: Final = frozenset(outcome.value for outcome in Outcome)
 _CURVES: Final = ("time_s", "x", "y", "z", "clearance_m", "cross_track_m", "bank_deg", "airspeed_mps", "load_factor", "roll_rate_dps")
 _LISTS: Final = ("paths", "obstacles", "decisions")
 
@@ -95,14 +98,11 @@ def checked_row(data: Any) -> None:
         raise ValueError("it has no row")
     if not is_id(row.get("flight_id")):
         raise ValueError("flight_id is none")
-    known = (*IDENTITY_COLUMNS, *(() if "found" in row else METRICS))
-    for column in known:
-        value = row.get(column.name, NotImplemented)
-        # a float that is infinite is written as a text
-        infinite = column.kind is Kind.NUMBER and value in ("inf", "-inf")
-        if not (isinstance(value, _TYPES[column.kind]) or infinite) or (isinstance(value, bool) and column.kind is not Kind.FLAG):
-            raise ValueError(f"{column.name} is no {column.kind}")
-    if "found" not in row and row["outcome"] not in set(Outcome):
+    for name, kind, types in (*_WHO, *(() if "found" in row else _MEASURED)):
+        value = row.get(name, NotImplemented)
+        if value.__class__ not in types and not (kind is Kind.NUMBER and value in ("inf", "-inf")):  # which is how that is written
+            raise ValueError(f"{name} is no {kind}")
+    if "found" not in row and row["outcome"] not in _OUTCOMES:
         raise ValueError("outcome is none")
     wrong = [
         name

@@ -114,7 +114,7 @@ def aircraft(case: Case) -> None:
 
 def _spoil(rng: random.Random, file: Path) -> None:
     """Change a file of an aircraft: a value, a line, bytes, or the whole of it."""
-    lines = file.read_text().splitlines(keepends=True)
+    lines = file.read_text(encoding="latin-1").splitlines(keepends=True)
     how = rng.randrange(8)
     if how == 0 and rng.random() < 0.5:
         file.unlink()
@@ -130,7 +130,7 @@ def _spoil(rng: random.Random, file: Path) -> None:
         lines[at] = lines[at].replace(":", "s:", 1) if file.suffix == ".yaml" else lines[at].replace("<", "</", 1)
     else:
         lines[at] = _other_number(rng, lines[at])
-    file.write_bytes("".join(lines).encode() + (rng.randbytes(3) if how == 5 and rng.random() < 0.2 else b""))
+    file.write_bytes("".join(lines).encode("latin-1") + (rng.randbytes(3) if how == 5 and rng.random() < 0.2 else b""))
 
 
 def _other_number(rng: random.Random, line: str) -> str:
