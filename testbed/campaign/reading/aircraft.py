@@ -61,9 +61,12 @@ def model_faults(tree: Tree, folder: Path) -> list[Fault]:
         xml = read_xml(file)
     except ParseError as error:
         return [Fault(at, f"{file.name} is no XML that can be read: {error}")]
-    if why := unreadable(xml, file):
-        return [Fault(at, why)]
-    lost = [Fault(at, f"the {part.what} file '{part.name}' that {file.name} names is not there") for part in missing_files(xml, file)]
+    why = unreadable(xml, file)
+    lost = (
+        [Fault(at, why)]
+        if why
+        else [Fault(at, f"the {part.what} file '{part.name}' that {file.name} names is not there") for part in missing_files(xml, file)]
+    )
     if not lost and not engines(xml, file):
         return [Fault(at, f"'{model.name}' has no engine: gliders are not supported, since a campaign holds speed and height")]
     return lost
