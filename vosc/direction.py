@@ -13,6 +13,7 @@ import numpy as np
 
 from vosc.cone import Cone, cone_of, loop_point, loops_of
 from vosc.encounter import Obstacle, Own, cone_margin
+from vosc.errors import WrongOption
 from vosc.free import nearest_free
 from vosc.spherical_cap import Cap, cap
 from vosc.turns import least_turn, level_circle
@@ -32,7 +33,7 @@ def cap_cone(found: Cap) -> Cone:
 def boundaries(own: Own, obstacles: Sequence[Obstacle], boundary: Boundary) -> list[Cone] | None:
     """The forbidden regions of the velocity sphere; ``None`` when one does not exist (inside a sphere, or no cap)."""
     if boundary not in ("paper", "exact"):
-        raise ValueError(f"boundary: 'paper' (circles of eq. 24-28) or 'exact', got {boundary!r}")
+        raise WrongOption(f"boundary: 'paper' (circles of eq. 24-28) or 'exact', got {boundary!r}")
     cones: list[Cone] = []
     for o in obstacles:
         if boundary == "exact":
@@ -127,14 +128,14 @@ def choose(
     - ``right_of_way``: least deflection among the turns to the right (the rule for head-on and overtaking traffic).
     - ``goal``: least angle to the direction ``goal`` (three floats), which is taken itself where it is free.
 
-    ``None`` when no velocity is free, or none to the right. ``ValueError`` for an unknown objective or a missing goal. Three and
+    ``None`` when no velocity is free, or none to the right. ``WrongOption`` for an unknown objective or a missing goal. Three and
     more obstacles: the boundary is that of the union, and a crossing of two circles counts only where no third covers it (section
     4.2.1).
     """
     if objective not in OBJECTIVES:
-        raise ValueError(f"objective: one of {', '.join(OBJECTIVES)}, got {objective!r}")
+        raise WrongOption(f"objective: one of {', '.join(OBJECTIVES)}, got {objective!r}")
     if (goal is not None) != (objective == "goal"):
-        raise ValueError("goal: give a direction with objective='goal', and only with it")
+        raise WrongOption("goal: give a direction with objective='goal', and only with it")
     cones = boundaries(own, obstacles, boundary)
     if cones is None:
         return None

@@ -17,6 +17,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from vosc.errors import NotNumbers, WrongOption
 from vosc.vec import FloatArray, Vec, array, dot, norm, sub, three
 
 SAME_VELOCITY = 1e-12  # relative speeds below this fraction of the speeds are rounding, not motion
@@ -24,7 +25,7 @@ SAME_VELOCITY = 1e-12  # relative speeds below this fraction of the speeds are r
 
 @dataclass(frozen=True)
 class Own:
-    """The own aircraft: position (m) and velocity (m/s); any three floats each, kept as tuples. ``ValueError`` if they are not finite."""
+    """The own aircraft: position (m) and velocity (m/s); any three floats each, kept as tuples. ``NotNumbers`` if they are not finite."""
 
     pos_m: Vec
     vel_mps: Vec
@@ -36,7 +37,7 @@ class Own:
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A moving sphere: position of its centre (m), velocity (m/s), radius (m, > 0). ``ValueError`` if that is not what is given.
+    """A moving sphere: position of its centre (m), velocity (m/s), radius (m, > 0). ``NotNumbers`` if that is not what is given.
 
     ``is_threat`` is what whoever sees it says of it; None when nobody does. A method may look at obstacles that are no threat.
     """
@@ -51,10 +52,10 @@ class Obstacle:
         object.__setattr__(self, "vel_mps", three("Obstacle.vel_mps", self.vel_mps))
         try:
             radius_m = float(self.radius_m)
-        except (TypeError, ValueError):
-            raise ValueError(f"Obstacle.radius_m: give one number in metres, got {self.radius_m!r}") from None
+        except (TypeError, ValueError, OverflowError):
+            raise NotNumbers(f"Obstacle.radius_m: give one number in metres, got {self.radius_m!r}") from None
         if not 0.0 < radius_m <= 1e30:
-            raise ValueError(f"Obstacle.radius_m: give a finite radius above 0 m, got {radius_m}")
+            raise NotNumbers(f"Obstacle.radius_m: give a finite radius above 0 m, got {radius_m}")
         object.__setattr__(self, "radius_m", radius_m)
 
 
@@ -108,10 +109,10 @@ def _alpha(p: Vec, distance_m: float, w: Vec, speed_mps: float) -> float:
 def threat(own: Own, obstacle: Obstacle, horizon_s: float = math.inf) -> Threat:
     """Is the relative velocity inside the collision cone (alpha < alpha_0), with its closest approach ahead and within ``horizon_s``?
 
-    Paper section 2, eq. 1-4 and steps 1-3. ``ValueError`` if the horizon is not above 0.
+    Paper section 2, eq. 1-4 and steps 1-3. ``WrongOption`` if the horizon is not above 0.
     """
     if not horizon_s > 0.0:
-        raise ValueError(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
+        raise WrongOption(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
     p = sub(obstacle.pos_m, own.pos_m)
     distance = norm(p)
     w, speed = relative_velocity(own.vel_mps, obstacle.vel_mps)

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from vosc.encounter import Obstacle, Own
+from vosc.errors import WrongOption
 from vosc.vec import FloatArray, Vec, along, array, dot, norm, perpendicular, right_of, sub, unit
 
 TimeRule = Literal["arrival", "paper_4_3_2"]
@@ -69,12 +70,12 @@ def insertion_point(own: Own, obstacle: Obstacle, k: float = 1.25, time_rule: Ti
     """Q_avo and t (eq. 34-35), or ``None`` when no positive time solves the rule (status ``no_insertion_point``).
 
     ``k`` >= 1 scales the radius. No solution happens when the obstacle is faster and running away, when the own speed is zero, and, with
-    ``paper_4_3_2``, inside the sphere or for a stationary obstacle. ``ValueError`` for a k below 1 or an unknown rule.
+    ``paper_4_3_2``, inside the sphere or for a stationary obstacle. ``WrongOption`` for a k below 1 or an unknown rule.
     """
     if not 1.0 <= k < math.inf:
-        raise ValueError(f"k: give a factor of at least 1 (the paper's k R), got {k}")
+        raise WrongOption(f"k: give a factor of at least 1 (the paper's k R), got {k}")
     if time_rule not in ("arrival", "paper_4_3_2"):
-        raise ValueError(f"time_rule: 'arrival' or 'paper_4_3_2', got {time_rule!r}")
+        raise WrongOption(f"time_rule: 'arrival' or 'paper_4_3_2', got {time_rule!r}")
     speed, obstacle_speed = norm(own.vel_mps), norm(obstacle.vel_mps)
     p = sub(obstacle.pos_m, own.pos_m)
     stationary = obstacle_speed <= STATIONARY * speed

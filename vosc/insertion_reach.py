@@ -23,6 +23,7 @@ from typing import Any, Literal
 import numpy as np
 
 from vosc.arc_line_arc import ArcLineArc, arc_line_arc, arc_line_arc_frames
+from vosc.errors import NoCurve, NoDirection, SamePoint
 from vosc.helicoid import helicoid
 from vosc.plane_arcs import plane_arcs
 from vosc.vec import BoolArray, FloatArray, Vec, angle, combine, cross, dot, norm, perpendicular, sub, three, unit
@@ -58,9 +59,9 @@ class Join:
     shape: tuple[float, float, float, float]  # of the helicoidal arc: beta, s at either end, roll of the first normal
 
     def frames(self, n: int = 100) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Points (m), unit tangents and curvature vectors (1/m), (n,3) each, evenly spaced. ``ValueError`` for kind ``none``."""
+        """Points (m), unit tangents and curvature vectors (1/m), (n,3) each, evenly spaced. ``NoCurve`` for kind ``none``."""
         if self.kind == "none":
-            raise ValueError("no curve without a loop joins these poses")
+            raise NoCurve("no curve without a loop joins these poses")
         p0, t0 = self.start
         if self.kind in ("plane_arcs", "arc_line_arc") and self.arcs is not None:
             return arc_line_arc_frames(self.arcs, p0, t0, self.end[1], n)
@@ -82,16 +83,16 @@ class Join:
 def widest_join(p0: Iterable[Any], t0: Iterable[Any], p1: Iterable[Any], t1: Iterable[Any]) -> Join:
     """The widest curve from point ``p0`` (m) in direction ``t0`` (any length) to ``p1`` in direction ``t1``.
 
-    ``ValueError`` for points that coincide and directions of no length.
+    ``SamePoint`` for points that coincide, ``NoDirection`` for directions of no length.
     """
     start, end = (three("p0", p0), unit(three("t0", t0))), (three("p1", p1), unit(three("t1", t1)))
     offset = sub(end[0], start[0])
     distance = norm(offset)
     if distance == 0.0:
-        raise ValueError(f"p0 and p1: give two different points, got {start[0]} twice")
+        raise SamePoint(f"p0 and p1: give two different points, got {start[0]} twice")
     for name, (_, tangent) in (("t0", start), ("t1", end)):
         if norm(tangent) == 0.0:
-            raise ValueError(f"{name}: give a direction, got the zero vector")
+            raise NoDirection(f"{name}: give a direction, got the zero vector")
     chord = unit(offset)
     if max(angle(chord, start[1]), angle(chord, end[1])) < STRAIGHT_RAD:
         return Join(math.inf, 0.0, distance, "straight", None, start, end, (math.nan,) * 4)

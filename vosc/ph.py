@@ -11,6 +11,7 @@ and Juettler, Math. Comp. 76 (2007) 1373.
 import math
 from collections.abc import Iterable
 
+from vosc.errors import NoDirection, SamePoint
 from vosc.ph_batch import Curves, hermite_many
 from vosc.ph_curve import Curve
 from vosc.ph_flyable import Flyable, Limits, flyable
@@ -37,16 +38,16 @@ def hermite(p0_m: Iterable[float], d0_m: Iterable[float], p1_m: Iterable[float],
 
     The direction of a derivative is the tangent; its length is a shape parameter, best near the distance |p1 - p0| and at most 3
     times that. Collinear forward data give the straight line. When the two tangents are exactly opposite, the curve does not depend
-    continuously on them (a turn to the other side is as good): ``Curve`` is then built on the side of p1. ``ValueError`` for a zero
+    continuously on them (a turn to the other side is as good): ``Curve`` is then built on the side of p1. A ``Refusal`` for a zero
     or non-finite derivative and p0 = p1.
     """
     p0, d0, p1, d1 = three("p0_m", p0_m), three("d0_m", d0_m), three("p1_m", p1_m), three("d1_m", d1_m)
     n0, n1 = norm(d0), norm(d1)
     if n0 == 0.0 or n1 == 0.0:
-        raise ValueError(f"{'d0_m' if n0 == 0.0 else 'd1_m'}: give a non-zero end derivative, for example unit tangent x |p1 - p0|")
+        raise NoDirection(f"{'d0_m' if n0 == 0.0 else 'd1_m'}: give a non-zero end derivative, for example unit tangent x |p1 - p0|")
     chord = sub(p1, p0)
     if norm(chord) == 0.0:
-        raise ValueError(f"p1_m: give an end point that differs from the start, both are {p0}")
+        raise SamePoint(f"p1_m: give an end point that differs from the start, both are {p0}")
     t0, t1 = scale(1.0 / n0, d0), scale(1.0 / n1, d1)
     sum_of_tangents = add(t0, t1)
     axis = unit(sum_of_tangents) if norm(sum_of_tangents) > OPPOSITE else perpendicular(t0, chord, right_of(t0))

@@ -15,6 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from vosc.errors import NotNumbers
 from vosc.polynomial import Poly, derivative, difference, extremum_candidates, horner, integral, nearest, product, total
 from vosc.vec import FloatArray, Vec, array, combine, dot, scale
 
@@ -280,10 +281,10 @@ class Curve:
         """Arc lengths (m,) of the points of the curve nearest to ``points`` (m,3), and the distances (m,), m; the exact projection
         in space.
 
-        Where the nearest point is an end, the arc length is 0 or ``length_m``. ``ValueError`` if ``points`` is not a finite (m,3).
+        Where the nearest point is an end, the arc length is 0 or ``length_m``. ``NotNumbers`` if ``points`` is not a finite (m,3).
         """
         points = np.asarray(points, dtype=np.float64)
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-            raise ValueError(f"points: give a finite array of shape (m, 3), got shape {points.shape}")
+            raise NotNumbers(f"points: give a finite array of shape (m, 3), got shape {points.shape}")
         t = nearest(self._position, points, SEARCH)
         return horner(self._arc, t), np.linalg.norm(self._points(t) - points, axis=1)

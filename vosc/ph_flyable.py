@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vosc.errors import NoDirection, SamePoint, WrongOption
 from vosc.ph_batch import Curves, hermite_many
 from vosc.ph_curve import Curve
 from vosc.vec import FloatArray, IntArray, three
@@ -39,11 +40,11 @@ class Limits:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.speed_mps < math.inf:
-            raise ValueError(f"Limits.speed_mps: give a speed above 0 m/s, got {self.speed_mps}")
+            raise WrongOption(f"Limits.speed_mps: give a speed above 0 m/s, got {self.speed_mps}")
         if not (self.max_curvature_per_m > 0.0 and self.max_bank_rate_radps > 0.0):
-            raise ValueError("Limits: give a curvature and a bank rate above 0, or leave them out")
+            raise WrongOption("Limits: give a curvature and a bank rate above 0, or leave them out")
         if not self.min_climb_rad < self.max_climb_rad:
-            raise ValueError(f"Limits: the climb range {self.min_climb_rad} to {self.max_climb_rad} rad is empty")
+            raise WrongOption(f"Limits: the climb range {self.min_climb_rad} to {self.max_climb_rad} rad is empty")
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +138,8 @@ def flyable(
 
     ``p1_m`` and ``tangent1`` may be (3,) or (k,3): every pair is tried. ``start_curvature_per_m`` (3,) the present curvature
     vector, 1/m, to be continued; left out, the bank may jump. ``magnitudes`` bounds of the end derivatives in chords, within 3:
-    beyond 5 the curve has a cusp. ``ValueError`` for zero tangents, p0 = p1, or bounds that are not 0 < low < high <= 3.
+    beyond 5 the curve has a cusp. ``NoDirection`` for zero tangents, ``SamePoint`` for
+    p0 = p1, ``WrongOption`` for bounds that are not 0 < low < high <= 3.
     """
     search = _prepare(p0_m, tangent0, p1_m, tangent1, start_curvature_per_m, magnitudes)
     x = _square(np.geomspace(search.low, search.high, grid))
@@ -200,15 +202,15 @@ def _prepare(
 ) -> _Search:
     low, high = magnitudes
     if not 0.0 < low < high <= 3.0:
-        raise ValueError(f"magnitudes: give bounds with 0 < low < high <= 3 chords, got {magnitudes}")
+        raise WrongOption(f"magnitudes: give bounds with 0 < low < high <= 3 chords, got {magnitudes}")
     p0, t0 = np.array(three("p0_m", p0_m)), np.array(three("tangent0", tangent0))
     points = np.array([three("p1_m", p) for p in np.atleast_2d(np.asarray(p1_m, dtype=np.float64))])
     tangents = np.array([three("tangent1", t) for t in np.atleast_2d(np.asarray(tangent1, dtype=np.float64))])
     size = np.linalg.norm(tangents, axis=1)
     if not (np.linalg.norm(t0) > 0.0 and (size > 0.0).all()):
-        raise ValueError("tangent0, tangent1: give non-zero directions")
+        raise NoDirection("tangent0, tangent1: give non-zero directions")
     if (points == p0).all(axis=1).any():
-        raise ValueError("p1_m: give end points that differ from the start")
+        raise SamePoint("p1_m: give end points that differ from the start")
     t0 = t0 / np.linalg.norm(t0)
     wanted = None
     if bend is not None:

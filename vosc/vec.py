@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vosc.errors import NotNumbers
+
 Vec = tuple[float, float, float]
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -21,14 +23,14 @@ SMALLEST_SINE = 1e-12  # two directions closer than this are parallel: the plane
 
 
 def three(name: str, value: Iterable[Any]) -> Vec:
-    """``value`` as three finite floats, or ``ValueError`` saying what ``name`` should be."""
+    """``value`` as three finite floats, or ``NotNumbers`` saying what ``name`` should be."""
     try:
         x, y, z = value
         out = (float(x), float(y), float(z))
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: give three numbers (x, y, z), got {value!r}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise NotNumbers(f"{name}: give three numbers (x, y, z), got {value!r}") from None
     if not (abs(out[0]) <= LARGEST and abs(out[1]) <= LARGEST and abs(out[2]) <= LARGEST):
-        raise ValueError(f"{name}: all three numbers must be finite and below {LARGEST:g} in size, got {out}")
+        raise NotNumbers(f"{name}: all three numbers must be finite and below {LARGEST:g} in size, got {out}")
     return out
 
 

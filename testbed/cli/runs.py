@@ -2,7 +2,7 @@
 
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -13,7 +13,6 @@ import typer.main
 from testbed.cli.shell import BAD_INPUT, CRASHED, INTERRUPTED, app, bad_input, fail, say
 
 if TYPE_CHECKING:
-    from testbed.campaign import FlightPlan
     from testbed.run.engines import Engine
     from testbed.run.runner import Summary
 
@@ -101,30 +100,31 @@ def _summarise(summary: "Summary") -> None:
 def validate(files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")], override: Overrides = None) -> None:
     """Check campaigns without flying them, with the settings changed that are given."""
     with bad_input():
-        from testbed.campaign import SpecError, expand, load_campaign
-        from testbed.campaign.words.grid import PART
+        from testbed.campaign import SpecError, load_campaign
+        from testbed.campaign.reading.expand import sizes
         from testbed.core.catalogue import aircraft_beside
 
         bad = False
         for file in files:
             try:
                 with aircraft_beside(file.parent):
-                    campaign = load_campaign(file, override or ())
-                    plans = expand(campaign)
+                    found = sizes(load_campaign(file, override or ()))
             except SpecError as problems:
                 say(str(problems), sys.stderr)
                 bad = True
             else:
-                say(f"{file}: {_counted(plans)}")
-                for name in campaign.parts:
-                    say(f"  {name}: {_counted([plan for plan in plans if plan.labels[PART] == name])}")
+                say(f"{file}: {_counted(found.values())}")
+                for name, size in found.items():
+                    if name:
+                        say(f"  {name}: {_counted([size])}")
     raise typer.Exit(BAD_INPUT if bad else 0)
 
 
-def _counted(plans: "Sequence[FlightPlan]") -> str:
+def _counted(sizes: Iterable[tuple[int, int]]) -> str:
     from testbed.show import words
 
-    return f"{words.counted(len(plans), 'flight')} in {words.counted(len({plan.cell for plan in plans}), 'cell')}"
+    cells, flights = (sum(numbers) for numbers in zip(*sizes, strict=True))
+    return f"{words.counted(flights, 'flight')} in {words.counted(cells, 'cell')}"
 
 
 @app.command()

@@ -8,7 +8,9 @@ from testbed.core.frames import Vec3
 from vosc import ph
 
 Array = np.ndarray
-FEW = 8  # up to this many pieces are all searched for the nearest point; of more, those about a guess
+FEW = 8  # up to this many pieces are all searched for the nearest point; of more, those about a guess, if there is one
+ROUNDING = 1e-9  # of a distance: far more than it is off by
+BLOCK = 1 << 18  # distances of points from pieces that are held at once
 NEWTON_STEPS, FEW_NEWTON_STEPS = 12, 2
 SETTLED_M = 1e-2  # a last step this short leaves an error of curvature times its square
 
@@ -70,7 +72,8 @@ class Chain:
 
         ``guess_s_m`` (n,), where there is one, is where to look first: Newton's method from there settles the points close to the
         path, and the whole path is searched for the others. Of a chain of more than eight pieces (a racetrack passes the same place
-        on every lap) the point nearest to the guess is meant, and one must be given. What is not finite has NaN for both.
+        on every lap) the point nearest to the guess is meant; without one, the first of those that are nearest of all. What is not
+        finite has NaN for both.
         """
         points = np.asarray(points, dtype=float)
         good = np.isfinite(points).all(axis=1)
@@ -81,8 +84,6 @@ class Chain:
             return s_m, distance
         many = len(self.curves) > FEW
         if guess_s_m is None:
-            if many:
-                raise ValueError(f"guess_s_m: needed for a chain of {len(self.curves)} pieces")
             return self._global(points)
         s_m, distance, settled = self._local(points, np.array(guess_s_m, dtype=float), NEWTON_STEPS if many else FEW_NEWTON_STEPS)
         if not many and not settled.all():
@@ -90,17 +91,32 @@ class Chain:
         return s_m, distance
 
     def _global(self, points: Array) -> tuple[Array, Array]:
-        found = [curve.nearest(points) for curve in self.curves]
-        distances = np.array([distance for _, distance in found])
-        best = np.argmin(distances, axis=0)
-        row = np.arange(len(points))
-        s_m = np.array([start + s for start, (s, _) in zip(self.starts_m, found, strict=True)])[best, row]
-        distance = distances[best, row]
+        """The whole path is searched, but for pieces that are too far away to matter."""
+        s_m, distance = np.zeros(len(points)), np.full(len(points), np.inf)
+        every = max(1, BLOCK // len(self.curves))
+        for first in range(0, len(points), every):
+            some = slice(first, first + every)
+            for curve, start, mine in zip(self.curves, self.starts_m, self._in_reach(points[some]).T, strict=True):
+                if not mine.any():
+                    continue
+                rows = first + np.flatnonzero(mine)
+                there, apart = curve.nearest(points[rows])
+                nearer = apart < distance[rows]
+                s_m[rows[nearer]], distance[rows[nearer]] = start + there[nearer], apart[nearer]
         point, tangent, _ = self.curves[-1].frame(self.curves[-1].length_m)
         beyond = (points - point) @ np.asarray(tangent)
         aside = np.linalg.norm(points - point - np.outer(beyond, tangent), axis=1)
         past = (beyond > 0.0) & (aside < distance)
         return np.where(past, self.length_m + beyond, s_m), np.where(past, aside, distance)
+
+    def _in_reach(self, points: Array) -> Array:
+        """Which pieces may be nearest to which points (n, pieces): no place of a piece is farther from its middle than half its length."""
+        if len(self.curves) <= FEW:
+            return np.ones((len(points), len(self.curves)), dtype=bool)
+        halves = np.array([0.5 * curve.length_m for curve in self.curves])
+        middles = np.array([curve.frame(half)[0] for curve, half in zip(self.curves, halves, strict=True)])
+        apart = np.sqrt(sum((points[:, None, k] - middles[None, :, k]) ** 2 for k in range(3)))
+        return np.asarray(apart - halves <= (1.0 + ROUNDING) * apart.min(axis=1)[:, None])
 
     def _local(self, points: Array, s_m: Array, steps: int) -> tuple[Array, Array, Array]:
         """Newton's method on the foot of the perpendicular, from a guess.

@@ -38,6 +38,13 @@ def wind_enu_from_compass(speed_mps: float, from_deg: float) -> Vec3:
     return -speed_mps * math.sin(from_deg * DEG), -speed_mps * math.cos(from_deg * DEG), 0.0
 
 
+def ground_speed_along(tangent: Vec3, airspeed_mps: float, wind: Vec3) -> float:
+    """Speed over the ground along a unit tangent at a given true airspeed: |v_g T - W| = TAS, the forward root; 0 if there is none."""
+    along = sum(t * w for t, w in zip(tangent, wind, strict=True))
+    square = along * along - (sum(w * w for w in wind) - airspeed_mps * airspeed_mps)
+    return max(0.0, along + square**0.5) if square > 0.0 else 0.0
+
+
 def enu_from_wind_axes(air_velocity: Vec3, bank: float, alpha: float) -> Array:
     """Rotation (3,3) ``enu_from_body`` of an aircraft with that air velocity (ENU), bank about it (right positive) and angle of attack.
 

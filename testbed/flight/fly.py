@@ -16,6 +16,7 @@ from testbed.campaign.words.settings import FlightPlan
 from testbed.core import registry
 from testbed.core.seeds import stream
 from testbed.flight.guidance.law import GuidanceSetting, Law, SpeedHold
+from testbed.flight.impossible import ImpossibleError
 from testbed.flight.log import FlightLog, finish
 from testbed.flight.planning.context import Planner, make_context
 from testbed.flight.planning.own import asked
@@ -45,11 +46,14 @@ def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None) -> Flig
     began = perf_counter()
     try:
         scene = make_scene(plan)
-    except ValueError as error:
+    except ImpossibleError as error:
         return finish(FlightLog(plan, math.nan), None, Outcome.NO_PATH, f"no route: {error}", {})
     path = ActivePath(scene.route.curves)
     log = FlightLog(plan, scene.begin_s_m)
     log.change_path(0.0, path)
+    if (start_z_m := scene.route.frame(scene.begin_s_m)[0][2]) <= plan.terrain_z_m:
+        where = f"{plan.terrain_z_m - start_z_m:.1f} m under the ground" if start_z_m < plan.terrain_z_m else "on the ground"
+        return finish(log, scene, Outcome.HIT_GROUND, f"the flight begins {where} (terrain_z_m: {plan.terrain_z_m:g})", {})
     aircraft = idealised(varied(load_aircraft(plan.aircraft), plan), plan.plant.ideal)
     try:
         plant = make_plant(plan, aircraft, start_of(plan, scene), scene)
@@ -163,10 +167,11 @@ class _Ending:
 
     def __init__(self, plan: FlightPlan, scene: Scene) -> None:
         limit = scene.longest_s
-        self._last_tick = math.ceil(limit * plan.rates.plant_hz) if math.isfinite(limit) else 0
+        self._last_tick = math.ceil(limit * plan.rates.plant_hz)
         self._ground, self._low = plan.terrain_z_m, plan.terrain_z_m + LOW_M
         self._goal, (self._tx, self._ty, self._tz) = scene.goal, scene.goal_tangent
-        self.outcome, self.message = Outcome.TIMED_OUT, f"not at the goal after {limit:.1f} s, three times the planned time"
+        why = f"the longest flight that {scene.limit} allows" if scene.limit else "three times the planned time"
+        self.outcome, self.message = Outcome.TIMED_OUT, f"not at the goal after {limit:.1f} s, {why}"
 
     def check(self, tick: int, state: State, remaining_m: float, plant: Plant) -> bool:
         """``remaining_m`` along the path keeps a closed course from ending where it starts."""

@@ -108,8 +108,9 @@ def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[
 
 
 def _guidance_columns(log: FlightLog, n: int) -> dict[str, Array]:
-    """Guidance rows held until the next one."""
-    rows = np.frombuffer(b"".join(log.guidance)).reshape(-1, len(Telemetry._fields) + 1)
+    """Guidance rows held until the next one; a flight that ended before the first has where it began, and no command."""
+    rows = np.frombuffer(b"".join(log.guidance) or _GUIDANCE_ROW(log.begin_s_m, np.nan, np.nan, 0.0, False))
+    rows = rows.reshape(-1, len(Telemetry._fields) + 1)
     every = log.plan.rates.plant_hz // log.plan.rates.guidance_hz
     held = rows[np.minimum(np.arange(n) // every, len(rows) - 1)]
     s_m, bank, load_factor, limited, at_stop = held.T

@@ -1,10 +1,13 @@
 """The stage of a flight: route, where it begins, and every obstacle's track, in the frame that is flown."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from testbed.campaign.words.limits import longest_flight
+from testbed.campaign.words.route import LONGEST_ROUTE_M
 from testbed.campaign.words.settings import FlightPlan, Point
 from testbed.core import registry
 from testbed.core.chain import Chain
@@ -12,11 +15,13 @@ from testbed.core.frames import Vec3, unit_from_direction, vec3
 from testbed.core.seeds import stream
 from testbed.core.units import DEG
 from testbed.flight.air import CALM, AirModel, Wind, make_air, make_wind
-from testbed.flight.route.courses import route_pieces
+from testbed.flight.impossible import NoMeetingError, NoRouteError
+from testbed.flight.route.courses import Ends, route_pieces
 from testbed.flight.traffic.schedule import Schedule, anchored, planned_time
 from testbed.flight.traffic.straight import shifted
 from testbed.flight.traffic.track import Track, TrackSetting, Traffic
-from vosc import ph
+from vosc import Degenerate, ph
+from vosc.ph_curve import CUSP
 
 Array = np.ndarray
 TIME_OUT = 3.0  # times the planned time
@@ -34,6 +39,7 @@ class Scene:
     goal_tangent: Vec3
     air: AirModel
     longest_s: float  # a flight that takes longer has timed out
+    limit: str = ""  # the setting that makes it so short; empty: it is ``TIME_OUT`` times the planned time
 
     @property
     def tracks(self) -> tuple[Track, ...]:
@@ -42,20 +48,37 @@ class Scene:
 
 
 def make_scene(plan: FlightPlan) -> Scene:
-    """Route, start and traffic of a plan. Raises ``ValueError`` when the route cannot be built or has no such start."""
+    """Route, start and traffic of a plan. Raises ``ImpossibleError`` when its route or its encounter cannot be."""
     pieces = route_pieces(plan)
     start, first, last = pieces[0][0], pieces[0][1], pieces[-1][3]
     turn = level_rotation(first, last) if plan.geometry == "level" else np.eye(3)
     place = lambda point: start + turn @ (np.asarray(point) - start)  # noqa: E731
-    route = Chain([ph.hermite(place(p0), turn @ d0, place(p1), turn @ d1) for p0, d0, p1, d1 in pieces])
+    route = _chain([(place(p0), turn @ d0, place(p1), turn @ d1) for p0, d0, p1, d1 in pieces])
     goal, goal_tangent, _ = route.frame(route.length_m)
     begin_s = _begin(plan, route)
     wind = make_wind(plan.air, plan.terrain_z_m)
     planned = planned_time(route, begin_s, route.length_m, plan, wind)
-    longest = TIME_OUT * planned
+    if not math.isfinite(planned):
+        raise NoRouteError(f"the wind is too strong for it: somewhere it is no slower than the {plan.speed_mps:g} m/s that are held")
+    longest, limit = longest_flight(plan.limits, len(plan.obstacles), plan.rates.plant_hz)
+    if TIME_OUT * planned <= longest:
+        longest, limit = TIME_OUT * planned, ""
     traffic = Traffic(_tracks(plan, route, begin_s, turn, place, wind))
     frame = lambda s_m: route.frame(s_m)[:2]  # noqa: E731
-    return Scene(route, begin_s, planned, traffic, goal, goal_tangent, make_air(plan, frame, begin_s, longest), longest)
+    return Scene(route, begin_s, planned, traffic, goal, goal_tangent, make_air(plan, frame, begin_s, longest), longest, limit)
+
+
+def _chain(pieces: Sequence[Ends]) -> Chain:
+    """The route of these pieces. Raises ``NoRouteError`` where there is no such curve, or none that can be flown along."""
+    try:
+        route = Chain([ph.hermite(*ends) for ends in pieces])
+    except Degenerate as error:
+        raise NoRouteError(str(error)) from error
+    if not route.length_m <= LONGEST_ROUTE_M:
+        raise NoRouteError(f"it is {route.length_m / 1000.0:,.0f} km long; at most {LONGEST_ROUTE_M / 1000.0:g} km")
+    if not min(curve.min_speed for curve in route.curves) >= CUSP:
+        raise NoRouteError("it has a cusp, where it turns on the spot: its ends lie against their directions")
+    return route
 
 
 def _tracks(plan: FlightPlan, route: Chain, begin_s: float, turn: Array, place: Callable[[Point], Array], wind: Wind) -> tuple[Track, ...]:
@@ -72,6 +95,8 @@ def _tracks(plan: FlightPlan, route: Chain, begin_s: float, turn: Array, place: 
         else:
             reached = float(route.nearest(place(spec.when.own_reaches_enu_m)[None])[0][0])
             when = planned_time(route, begin_s, reached, plan, timing_wind)
+            if not math.isfinite(when):
+                raise NoMeetingError(f"obstacles.{spec.name}.when: the wind is too strong to get there")
         make = registry.part("traffic", spec.kind, plan.plugins)
         random = stream(plan.seed, plan.replicate, f"traffic.{spec.name}")
         setting = TrackSetting(spec.name, spec.radius_m, vec3(position), vec3(velocity), when, random)
@@ -101,14 +126,14 @@ def level_rotation(first: Array, last: Array) -> Array:
 def _begin(plan: FlightPlan, route: Chain) -> float:
     if plan.begin.at_route_s_m is not None:
         if plan.begin.at_route_s_m >= route.length_m:
-            raise ValueError(f"begin.at_route_s_m {plan.begin.at_route_s_m:g} is past the end of the route ({route.length_m:.1f} m)")
+            raise NoRouteError(f"begin.at_route_s_m {plan.begin.at_route_s_m:g} is past the end of the route ({route.length_m:.1f} m)")
         return plan.begin.at_route_s_m
     limit = np.sin((plan.begin.climb_at_most_deg or 0.0) * DEG)
     s = np.linspace(0.0, route.length_m, 4001)
     climb = route.sample(s)[1][:, 2]
     below = np.flatnonzero(climb <= limit)
     if not len(below):
-        raise ValueError(f"begin.climb_at_most_deg {plan.begin.climb_at_most_deg:g}: the route climbs more everywhere")
+        raise NoRouteError(f"begin.climb_at_most_deg {plan.begin.climb_at_most_deg:g}: the route climbs more everywhere")
     k = int(below[0])
     if k == 0:
         return 0.0

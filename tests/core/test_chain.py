@@ -13,9 +13,9 @@ from tests.plans import plan
 from vosc import ph
 
 
-def course(**shape: object) -> Chain:
+def course(replicate: int = 0, **shape: object) -> Chain:
     route = {"start_enu_m": [10, -20, 30], "start_direction_deg": [30, 0], "shape": shape}
-    return Chain([ph.hermite(*piece) for piece in route_pieces(plan(route=route))])
+    return Chain([ph.hermite(*piece) for piece in route_pieces(plan(route=route, replicate=replicate))])
 
 
 def test_a_circle_is_a_circle() -> None:
@@ -112,8 +112,42 @@ def test_nearest_past_the_end_and_not_finite() -> None:
     assert s[:2] == pytest.approx([40.0, 112.0])
     assert distance[:2] == pytest.approx([5.0, 2.0])
     assert np.isnan([s[2], distance[2]]).all()
-    with pytest.raises(ValueError, match="guess_s_m"):
-        course(kind="circle", radius_m=100).nearest(np.zeros((1, 3)))
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"kind": "racetrack", "straight_m": 700, "radius_m": 180, "laps": 1},
+        {"kind": "swerve", "heading_deg": 40, "swing_m": 300, "swings": 5},
+        {"kind": "random", "least_radius_m": [120, 200], "climb_at_most_deg": 10},
+        {"kind": "circle", "radius_m": 150, "turns": 0.7},
+    ],
+    ids=lambda shape: str(shape["kind"]),
+)
+@pytest.mark.parametrize("far_m", [1.0, 60.0, 3000.0])
+def test_nearest_of_many_pieces_without_a_guess_is_the_nearest_of_all(shape: dict[str, object], far_m: float) -> None:
+    chain = course(1, **shape)  # the second random course is one of many pieces
+    assert len(chain.curves) > FEW
+    rng = np.random.default_rng(11)
+    s = np.linspace(0.0, chain.length_m, 40_001)
+    fine = chain.points(s)
+    points = fine[rng.integers(0, len(fine), 80)] + far_m * rng.normal(size=(80, 3))
+    found, distance = chain.nearest(points)
+    end, along, _ = chain.frame(chain.length_m)
+    for point, s_m, apart in zip(points, found, distance, strict=True):
+        beyond = max(0.0, float((point - end) @ np.asarray(along)))  # the straight line past the end counts
+        brute = min(np.linalg.norm(fine - point, axis=1).min(), np.linalg.norm(point - end - beyond * np.asarray(along)))
+        assert apart == pytest.approx(brute, abs=2e-3)
+        assert apart <= brute + 1e-9, "exact: no sample is nearer"
+        assert np.linalg.norm(np.asarray(chain.frame(float(s_m))[0]) - point) == pytest.approx(apart, abs=1e-9)
+
+
+def test_many_points_are_searched_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    chain = course(kind="racetrack", straight_m=700, radius_m=180)
+    points = np.random.default_rng(2).uniform(-900.0, 900.0, (50, 3))
+    whole = chain.nearest(points)
+    monkeypatch.setattr("testbed.core.chain.BLOCK", 7 * len(chain.curves))
+    assert np.allclose(chain.nearest(points), whole, atol=1e-9)
 
 
 def test_a_lap_is_told_from_the_next_by_the_guess() -> None:

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from vosc.encounter import Obstacle, Own, cone_margin, threatening
+from vosc.errors import WrongAnswer, WrongOption
 from vosc.methods.choice import Choice, Status
 from vosc.methods.differential_geometry import differential_geometry
 from vosc.methods.droam import droam_hp, droam_vp
@@ -78,14 +79,14 @@ def avoid(method: str | Method, own: Own, obstacles: Sequence[Obstacle], **optio
     """The velocity that a method, by name or as a function, commands against ``obstacles``; never NaN, never an exception for a
     physical input.
 
-    ``ValueError`` for a name not in ``METHODS``, an option the method does not have, a value it does not take, or an answer that is
-    none.
+    ``WrongOption`` for a name not in ``METHODS``, an option the method does not have or a value it does not take; ``WrongAnswer`` or
+    ``NotNumbers`` for an answer that is none.
     """
     if isinstance(method, str):
         name, method = method, _named(method)
         if not options.keys() <= OPTIONS[name]:
             unknown = ", ".join(sorted(options.keys() - OPTIONS[name]))
-            raise ValueError(f"method '{name}' has no option {unknown}; it has: {', '.join(sorted(OPTIONS[name])) or 'none'}")
+            raise WrongOption(f"method '{name}' has no option {unknown}; it has: {', '.join(sorted(OPTIONS[name])) or 'none'}")
     obstacles = tuple(obstacles)
     met = threatening(obstacles)
     present = min((cone_margin(own.pos_m, own.vel_mps, o) for o in met), default=math.inf)
@@ -104,17 +105,17 @@ def avoid(method: str | Method, own: Own, obstacles: Sequence[Obstacle], **optio
 
 
 def checked_choice(answer: Any) -> Choice:
-    """What a method handed back, as a ``Choice`` of floats; ``ValueError`` in words when it is no such thing."""
+    """What a method handed back, as a ``Choice`` of floats; ``WrongAnswer`` or ``NotNumbers`` in words when it is no such thing."""
     try:
         velocity, status = answer
     except (TypeError, ValueError):
-        raise ValueError(f"the method must return Choice(velocity_mps, status), not {answer!r}") from None
+        raise WrongAnswer(f"the method must return Choice(velocity_mps, status), not {answer!r}") from None
     if not (isinstance(status, str) and status in CHOICES):
-        raise ValueError(f"the method's status must be one of {', '.join(CHOICES)}, not {status!r}")
+        raise WrongAnswer(f"the method's status must be one of {', '.join(CHOICES)}, not {status!r}")
     return Choice(three("the method's velocity", velocity), Status(status))
 
 
 def _named(name: str) -> Method:
     if name not in METHODS:
-        raise ValueError(f"no avoidance method '{name}'; there are: {', '.join(METHODS)}")
+        raise WrongOption(f"no avoidance method '{name}'; there are: {', '.join(METHODS)}")
     return METHODS[name]

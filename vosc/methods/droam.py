@@ -11,6 +11,7 @@ from typing import Literal
 
 from vosc.cone import exact_cones
 from vosc.encounter import Obstacle, Own, threatening
+from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import Circle, least_turn, level_circle, vertical_circle
 
@@ -30,7 +31,7 @@ def droam_hp(own: Own, obstacles: Sequence[Obstacle], side: Literal["least", "le
     """
     senses = {"least": (-1, 1), "left": (1,), "right": (-1,)}
     if side not in senses:
-        raise ValueError(f"side: 'least', 'left' or 'right', got {side!r}")
+        raise WrongOption(f"side: 'least', 'left' or 'right', got {side!r}")
     return _best(own, obstacles, level_circle(own.vel_mps), senses[side])
 
 
@@ -43,6 +44,6 @@ def droam_vp(own: Own, obstacles: Sequence[Obstacle], side: Literal["least", "up
     """
     senses = {"least": (1, -1), "up": (1,), "down": (-1,)}
     if side not in senses:
-        raise ValueError(f"side: 'least', 'up' or 'down', got {side!r}")
+        raise WrongOption(f"side: 'least', 'up' or 'down', got {side!r}")
     circle = vertical_circle(own.vel_mps)
     return undefined(own) if circle is None else _best(own, obstacles, circle, senses[side])

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 
 from vosc.cone import exact_cones
 from vosc.encounter import Obstacle, Own, threatening
+from vosc.errors import WrongOption
 from vosc.free import nearest_free
 from vosc.methods.choice import Choice, Status, none_free
 from vosc.vec import Vec, deflection, norm
@@ -18,7 +19,7 @@ def least_deflection(own: Own, obstacles: Sequence[Obstacle], speed_range_mps: t
 
     The paper's section 4.1 minimises the turn of the relative velocity instead; this one is the global optimum for v_u itself
     (``vosc.free``). The speed is the present one. With ``speed_range_mps`` (low, high) it may change: least turn over all speeds of
-    the range, and among equal turns the least change of speed (a grid of 33 speeds, refined round its best). ``ValueError`` unless
+    the range, and among equal turns the least change of speed (a grid of 33 speeds, refined round its best). ``WrongOption`` unless
     0 < low <= high.
     """
     cones = exact_cones(own, threatening(obstacles))
@@ -31,7 +32,7 @@ def least_deflection(own: Own, obstacles: Sequence[Obstacle], speed_range_mps: t
     else:
         low, high = speed_range_mps
         if not 0.0 < low <= high < math.inf:
-            raise ValueError(f"speed_range_mps: give (low, high) with 0 < low <= high, got {speed_range_mps}")
+            raise WrongOption(f"speed_range_mps: give (low, high) with 0 < low <= high, got {speed_range_mps}")
         found = _over_speeds(own, at_speed, low, high) if norm(own.vel_mps) > 0.0 else None
     return none_free(own) if found is None else Choice(found, Status.AVOIDED)
 

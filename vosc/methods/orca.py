@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from vosc.cone import Cone
 from vosc.encounter import Obstacle, Own, relative_velocity, threatening
+from vosc.errors import WrongOption
 from vosc.free import nearest_free
 from vosc.methods.choice import Choice, Status, undefined
 from vosc.vec import Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
@@ -110,12 +111,12 @@ def orca(
     ``responsibility`` 1 takes the whole correction, 0.5 is the reciprocal half. ``horizon_s`` cuts the velocity obstacle off beyond
     that time. ``keep_speed`` asks for the present speed exactly, as a fixed-wing aircraft does; without it every speed up to the
     present one is allowed, as in the original. ``undefined`` when the half-spaces have no common point of that speed.
-    ``ValueError`` for a responsibility outside (0, 1] or a horizon that is not above 0.
+    ``WrongOption`` for a responsibility outside (0, 1] or a horizon that is not above 0.
     """
     if not 0.0 < responsibility <= 1.0:
-        raise ValueError(f"responsibility: give a share in (0, 1], got {responsibility}")
+        raise WrongOption(f"responsibility: give a share in (0, 1], got {responsibility}")
     if not horizon_s > 0.0:
-        raise ValueError(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
+        raise WrongOption(f"horizon_s: give a time above 0 s (math.inf for none), got {horizon_s}")
     spaces = [half_space(own, o, responsibility, horizon_s) for o in threatening(obstacles)]
     speed = norm(own.vel_mps)
     if not keep_speed:

@@ -13,6 +13,7 @@ import numpy as np
 
 from vosc.cone import Cone, exact_cones
 from vosc.encounter import Obstacle, Own, threatening
+from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import great_circle, least_turn
 from vosc.vec import Vec, combine, cross, perpendicular, right_of, unit
@@ -35,13 +36,13 @@ def _normals(velocity: Vec, roll_rad: Sequence[float]) -> list[Vec]:
 
 def _need_planes(n: int) -> None:
     if not 1 <= n <= MOST_PLANES:
-        raise ValueError(f"n: give 1 to {MOST_PLANES} planes, got {n}")
+        raise WrongOption(f"n: give 1 to {MOST_PLANES} planes, got {n}")
 
 
 def planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, offset_rad: float = 0.0) -> Choice:
     """The least turn in any of ``n`` planes through v_u, at equal roll angles pi / n apart from ``offset_rad``.
 
-    ``undefined`` when no direction in these planes is free. ``ValueError`` for fewer than one plane, or more than 10,000.
+    ``undefined`` when no direction in these planes is free. ``WrongOption`` for fewer than one plane, or more than 10,000.
     """
     _need_planes(n)
     if own.vel_mps == (0.0, 0.0, 0.0):
@@ -52,12 +53,12 @@ def planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, offset_rad: flo
 def random_planes(own: Own, obstacles: Sequence[Obstacle], n: int = 12, seed: int = 0) -> Choice:
     """The least turn in any of ``n`` planes through v_u at random roll angles; the same ``seed``, the same planes.
 
-    ``undefined`` when no direction in these planes is free. ``ValueError`` for fewer than one plane, or more than 10,000.
+    ``undefined`` when no direction in these planes is free. ``WrongOption`` for fewer than one plane, or more than 10,000.
     """
     _need_planes(n)
     if own.vel_mps == (0.0, 0.0, 0.0):
         return none_free(own)
     if seed < 0:
-        raise ValueError(f"seed: give a whole number from 0 on, got {seed}")
+        raise WrongOption(f"seed: give a whole number from 0 on, got {seed}")
     rolls = np.random.default_rng(seed).uniform(0.0, math.pi, n)
     return _least_of(own, exact_cones(own, threatening(obstacles)), _normals(own.vel_mps, rolls.tolist()))

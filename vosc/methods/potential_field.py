@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 
 from vosc.encounter import Obstacle, Own, threatening
+from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, undefined
 from vosc.vec import Vec, along, norm, scale, sub, three, unit
 
@@ -20,11 +21,11 @@ def potential_field(
 
     rho is the distance to the sphere, rho0 = ``reach`` radii of it, n points away from its centre, g is the unit vector of ``goal``
     (a direction, three floats; default: of v_u). Khatib's repulsion made dimensionless, so that the answer does not depend on the
-    unit of length. ``undefined`` when the forces cancel, as they can when flying straight at an obstacle. ``ValueError`` for a gain
+    unit of length. ``undefined`` when the forces cancel, as they can when flying straight at an obstacle. ``WrongOption`` for a gain
     or reach that is not above 0.
     """
     if not (0.0 < gain < math.inf and 0.0 < reach < math.inf):
-        raise ValueError(f"gain, reach: give numbers above 0, got {gain}, {reach}")
+        raise WrongOption(f"gain, reach: give numbers above 0, got {gain}, {reach}")
     force: Vec = unit(own.vel_mps if goal is None else three("goal", goal))
     for o in threatening(obstacles):
         away = sub(own.pos_m, o.pos_m)

@@ -6,6 +6,7 @@ from typing import Literal
 from vosc.cone import is_free
 from vosc.direction import OBJECTIVES, Boundary, Objective, best_free, boundaries, corner_points
 from vosc.encounter import Obstacle, Own, cone_margin, threatening
+from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, undefined
 from vosc.spherical_cap import cap, critical_velocity, generatrices
 from vosc.vec import deflection, norm, three
@@ -31,11 +32,11 @@ def scoam(
     ``undefined`` when a cap or critical velocity does not exist, or no point qualifies.
     """
     if consider not in ("threats", "all"):
-        raise ValueError(f"consider: 'threats' or 'all', got {consider!r}")
+        raise WrongOption(f"consider: 'threats' or 'all', got {consider!r}")
     if objective is not None and objective not in OBJECTIVES:
-        raise ValueError(f"objective: one of {', '.join(OBJECTIVES)}, got {objective!r}")
+        raise WrongOption(f"objective: one of {', '.join(OBJECTIVES)}, got {objective!r}")
     if (goal is not None) != (objective == "goal"):
-        raise ValueError("goal: give a direction with objective='goal', and only with it")
+        raise WrongOption("goal: give a direction with objective='goal', and only with it")
     if consider == "threats":
         obstacles = [o for o in threatening(obstacles) if cone_margin(own.pos_m, own.vel_mps, o) < 0.0]
     if len(obstacles) == 1 and objective is None:

@@ -2,6 +2,7 @@
 
 from testbed.campaign.reading.aircraft import read_aircraft
 from testbed.campaign.reading.document import Fault
+from testbed.campaign.reading.possible import start_airspeed
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.catalogue import aircraft_folders
 
@@ -20,6 +21,10 @@ def unfit(plan: FlightPlan) -> list[Fault]:
     limits, ideal = aircraft.limits, plan.plant.ideal
     too_slow = plan.speed_mps < limits.speed_min_mps and "load_factor" not in ideal
     too_fast = plan.speed_mps > limits.speed_max_mps and "speed" not in ideal
+    flown = start_airspeed(plan)
+    if flown is not None and not (too_slow or too_fast) and not ideal and not limits.speed_min_mps <= flown <= limits.speed_max_mps:
+        holds = f"in this wind that is {flown:.1f} m/s through the air at the start"
+        return [Fault(("speed_mps",), f"{holds}; {plan.aircraft} holds {limits.speed_min_mps:g} to {limits.speed_max_mps:g} m/s")]
     if too_slow or too_fast:
         holds = f"{plan.aircraft} holds {limits.speed_min_mps:g} to {limits.speed_max_mps:g} m/s"
         return [Fault(("speed_mps",), f"{holds}, not {plan.speed_mps:g} m/s", "limits of its aircraft.yaml; a kinematic plant has none")]

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from testbed.campaign.reading.axes import Axis, Level, Skip, axes_of, hidden, settings_of, skips_of
 from testbed.campaign.reading.document import Assignment
 from testbed.campaign.reading.nodes import Tree
@@ -14,7 +16,7 @@ from testbed.campaign.reading.vocabulary import path_fault
 from testbed.campaign.words.grid import PART, Grid, Part
 from testbed.campaign.words.settings import Campaign, FlightSettings
 
-MAX_FLIGHTS = 1_000_000
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 ONLY_CELL = "base"
 """Name of the one cell of a campaign without a sweep."""
 NO_SECTION = Tree({})
@@ -44,12 +46,48 @@ class Block:
     def cell_id(self, cell: Cell) -> str:
         return "/".join(self.labels(cell).values()) or ONLY_CELL
 
+    @property
+    def size(self) -> int:
+        """How many cells there are, those that are skipped among them."""
+        return math.prod(len(axis.levels) for axis in self.axes)
+
     def cells(self) -> Iterator[Cell]:
         """In the order of the sweep as written, the last axis fastest, without those that are skipped."""
         for cell in itertools.product(*(axis.levels for axis in self.axes)):
-            labels = self.labels(cell)
-            if not any(skip.matches(labels) for skip in self.skips):
+            if not self.is_skipped(cell):
                 yield cell
+
+    def some_cells(self, most: int) -> Iterator[Cell]:
+        """All of them, or of more than ``most`` so many, evenly spread: each value of each axis beside the first of the others, and then
+        cells a golden section of the grid apart, by which no axis stays where it is.
+        """
+        if self.size <= most:
+            yield from self.cells()
+            return
+        step = next(n for n in itertools.count(round(self.size * GOLDEN)) if math.gcd(n, self.size) == 1)
+        first = tuple(axis.levels[0] for axis in self.axes)
+        alone = ((*first[:i], level, *first[i + 1 :]) for i, axis in enumerate(self.axes) for level in axis.levels)
+        spread = (self._cell(k * step % self.size) for k in range(most))
+        for cell in itertools.chain(alone, spread):
+            if not self.is_skipped(cell):
+                yield cell
+
+    def _cell(self, number: int) -> Cell:
+        """In the order of the sweep as written."""
+        levels = []
+        for axis in reversed(self.axes):
+            number, k = divmod(number, len(axis.levels))
+            levels.append(axis.levels[k])
+        return tuple(reversed(levels))
+
+    def is_skipped(self, cell: Cell) -> bool:
+        """Is it left out?"""
+        labels = self.labels(cell)
+        return any(skip.matches(labels) for skip in self.skips)
+
+    def left(self) -> int:
+        """How many cells are flown: counted, not made."""
+        return self.size if not self.skips else int(np.count_nonzero(_left_of(self)[0]))
 
     def hides(self, path: str) -> str | None:
         """What gives every flight of the block another value at ``path``: an axis, ``set``, or the part's key of that name."""
@@ -145,27 +183,44 @@ def _wrong_draws(tree: Tree, where: str) -> list[Problem]:
 def size_problems(blocks: Sequence[Block], campaign: Campaign, spot: Spot) -> list[Problem]:
     """A refusal of grids that nobody can mean, skipped cells counted."""
     parts = resolved_parts(campaign)
-    flights = sum((parts[block.part].replicates or 1) * math.prod(len(axis.levels) for axis in block.axes) for block in blocks)
-    if flights <= MAX_FLIGHTS:
+    flights = sum((parts[block.part].replicates or 1) * block.size for block in blocks)
+    most = campaign.limits.flights
+    if flights <= most:
         return []
-    return [Problem(spot, "parts" if campaign.parts else "sweep", f"makes {flights:,} flights; at most {MAX_FLIGHTS:,}")]
+    message = f"makes {_long(flights)} flights; at most {most:,}"
+    return [Problem(spot, "parts" if campaign.parts else "sweep", message, "limits.flights sets that")]
+
+
+def _long(number: int) -> str:
+    """A number with its thousands apart, or where nobody could read it, its size."""
+    return f"{number:,}" if number < 10**15 else f"10^{math.log10(number):.0f}"
 
 
 def skip_problems(block: Block) -> list[Problem]:
     """Entries of a skip that leave out nothing more, and a grid of which nothing is left."""
     if not block.skips:
         return []
-    used, left = set(), 0
-    for cell in itertools.product(*(axis.levels for axis in block.axes)):
-        labels = block.labels(cell)
-        first = next((skip.name for skip in block.skips if skip.matches(labels)), None)
-        used.add(first)
-        left += first is None
+    left, used = _left_of(block)
     message = "matches no cell that the entries before it leave"
     problems = [Problem(skip.spot, skip.name, message) for skip in block.skips if skip.name not in used]
-    if not left:
+    if not left.any():
         problems.append(Problem(*block.key("skip"), "leaves no cell to fly"))
     return problems
+
+
+def _left_of(block: Block) -> tuple[np.ndarray, set[str]]:
+    """(which cells are flown, one dimension an axis; names of the entries of the skip that leave one out)."""
+    left, used = np.ones([len(axis.levels) for axis in block.axes], dtype=bool), set()
+    for skip in block.skips:
+        out = np.ones(left.ndim * (1,), dtype=bool)
+        for i, axis in enumerate(block.axes):
+            if axis.name in skip.labels:
+                named = np.array([level.label in skip.labels[axis.name] for level in axis.levels], dtype=bool)
+                out = out & named.reshape([-1 if k == i else 1 for k in range(left.ndim)])
+        if (left & out).any():
+            used.add(skip.name)
+            left &= ~out
+    return left, used
 
 
 def overwritten_draws(block: Block, part: Part) -> list[Problem]:

@@ -13,6 +13,8 @@ from testbed.campaign.reading.vocabulary import Loc
 from testbed.campaign.words.settings import Campaign
 from testbed.campaign.words.study import spelt_out
 
+MOST_FAULTS = 500
+"""Errors of one validation that are put into words, which takes longer than finding them."""
 UNKNOWN = ("extra_forbidden", "unknown_option")
 """Faults of a key rather than of what it leads to."""
 
@@ -184,7 +186,7 @@ def faults_of(error: ValidationError, root: type[BaseModel] = Campaign) -> list[
     """Pydantic's errors as faults; ``root`` is what was validated. A misspelt key is one fault, not an unknown key and a missing one."""
     found: dict[Fault, None] = {}
     misspelt: set[Loc] = set()
-    for item in error.errors(include_url=False):
+    for item in error.errors(include_url=False)[:MOST_FAULTS]:
         loc, message, hint = worded(item, root)
         found[Fault(loc, message, hint, at_key=item["type"] in UNKNOWN)] = None
         if item["type"] == "extra_forbidden" and hint.startswith("did you mean"):

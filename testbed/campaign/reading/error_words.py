@@ -85,6 +85,9 @@ def _unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     if kind in _BOUNDS:
         name, words = _BOUNDS[kind]
         message = f"must be {words} {f'{context[name]:g} {unit}'.strip()}, not {f'{shown(value)} {unit}'.strip()}"
+    elif kind == "out_of_bounds":
+        limit, words, why = (context[key] for key in ("limit", "words", "why"))
+        message = f"must be {words} {f'{limit:g} {unit}'.strip()}, not {f'{shown(value)} {unit}'.strip()}: {why}"
     elif kind in _WANTED:
         message, hint = f"must be {_WANTED[kind]}, not {shown(value)}", _unit_advice(value, unit) if kind in _NUMBERS else ""
     elif kind == "literal_error":

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from typing import Any
 
@@ -15,6 +15,7 @@ from testbed.campaign.reading.draws import DrawError, drawn
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
 from testbed.campaign.words.grid import Part
+from testbed.campaign.words.limits import Limits
 from testbed.campaign.words.planning import PlannerSpec
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.population import NoEncounterError
@@ -47,6 +48,13 @@ def expand(campaign: Campaign) -> tuple[FlightPlan, ...]:
             else:
                 plans.extend(_replicates(plan, part.replicates or 1))
     return tuple(plans)
+
+
+def sizes(campaign: Campaign) -> dict[str, tuple[int, int]]:
+    """Part (an empty name without parts) to its cells and its flights: counted, without making any."""
+    blocks, _ = blocks_of(_tree_of(campaign))
+    parts = resolved_parts(campaign)
+    return {block.part: ((cells := block.left()), cells * (parts[block.part].replicates or 1)) for block in blocks}
 
 
 def _tree_of(campaign: Campaign) -> Tree:
@@ -83,6 +91,7 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         unsaid["vary"] = True
     if not plan.plugins:
         unsaid["plugins"] = True
+    unsaid["limits"] = True if plan.limits.of_a_flight() == Limits().of_a_flight() else {"wall_limit_s", "flights"}
     if not plan.study.part.flies:
         unsaid["study"] = True
     if plan.planner == PlannerSpec():
@@ -158,10 +167,13 @@ def cell_document(campaign: Campaign, block: Block, cell: Cell, tree: Tree, obst
     return (base.with_obstacle(obstacle) if obstacle else base).assign(assignments_of(cell))
 
 
-def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree) -> Iterator[PlannedCell]:
-    """For each cell its plan (replicate 0 without an id, any obstacle for the drawn one), or what is wrong with the combination."""
+def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree, cells: Iterable[Cell] | None = None) -> Iterator[PlannedCell]:
+    """For each cell its plan (replicate 0 without an id, any obstacle for the drawn one), or what is wrong with the combination.
+
+    ``cells``: which; all where none are given.
+    """
     obstacle = part.encounters.placeholder() if part.encounters else None
-    for cell in block.cells():
+    for cell in block.cells() if cells is None else cells:
         try:
             document = cell_document(campaign, block, cell, tree, obstacle)
         except NoSuchObstacleError as error:

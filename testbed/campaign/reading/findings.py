@@ -1,6 +1,6 @@
 """What is wrong with the values of a campaign's grids: each value by itself, then where axes, draws and encounters meet."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -9,34 +9,65 @@ from pydantic import ValidationError
 from testbed.campaign.reading.airworthy import unfit
 from testbed.campaign.reading.axes import Level
 from testbed.campaign.reading.blocks import Block, overwritten_draws, resolved_parts, skip_problems
-from testbed.campaign.reading.document import Assignment, Document, Fault, NoSuchObstacleError, faults, faults_of
+from testbed.campaign.reading.document import MOST_FAULTS, Assignment, Document, Fault, NoSuchObstacleError, faults, faults_of
 from testbed.campaign.reading.draws import DrawError, extremes
 from testbed.campaign.reading.expand import plans_of_cells, suspects
 from testbed.campaign.reading.nodes import Tree
-from testbed.campaign.reading.problems import Problem, SpecError
+from testbed.campaign.reading.possible import impossible, unseen
+from testbed.campaign.reading.problems import Problem, SpecError, Spot
 from testbed.campaign.words.grid import Draw, Part
 from testbed.campaign.words.population import OBSTACLE_NAME, Encounters, NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings
+
+ENCOUNTERS_TRIED = 500
+"""Drawn before anything is flown: where these are found, so are the others."""
+
+
+CELLS_TRIED, FEWEST_TRIED = 6_000, 50
+"""Cells that are tried before anything is flown: of more than these, so many evenly spread, and a few at least of every part. What
+they do not find, the run does before it flies.
+"""
+
+
+VALUES_TRIED = 5_000
+"""Values of axes that are tried one by one, each with all the settings."""
+
+
+def too_much(document: Document, blocks: Sequence[Block], spot: Spot) -> list[Problem]:
+    """A refusal of grids that take longer to look through than anybody waits."""
+    values = sum(2 + sum(len(axis.levels) for axis in block.axes) for block in blocks)
+    most = round(VALUES_TRIED / _weight(document.data.get("obstacles")))
+    if values <= most:
+        return []
+    message = f"has {values:,} values, each of which is tried with all the settings; at most {most:,}"
+    return [Problem(spot, "parts" if len(blocks) > 1 else "sweep", message, "draw and replicates have as many as you like")]
+
+
+def _weight(obstacles: Any) -> float:
+    """How much longer it takes to try settings that have these obstacles."""
+    return 1.0 + (len(obstacles) / 28.0 if isinstance(obstacles, list | tuple) else 0.0)
 
 
 def level_problems(document: Document, block: Block) -> list[Problem]:
     """What a part's settings, and each value of each axis, do wrong by themselves, the campaign's own faults apart."""
     grid = ("parts", "draw", "encounters", "skip", "sweep")
     base = replace(document, data={key: value for key, value in document.data.items() if key not in grid})
-    base, problems = _level(base, faults(base.data), Level("", block.set))
+    base, problems = _level(base, frozenset(faults(base.data)), Level("", block.set))
     if problems or not block.is_set:  # what axes do on top of it cannot be told
         return problems
     try:
         base = base.with_obstacle(encounters.placeholder()) if (encounters := _encounters(document.data, block)) else base
     except ValidationError:  # reported already; whether axes go with the obstacle cannot be told
         return problems
-    known = faults(base.data)
+    known = frozenset(faults(base.data))
     for level in (level for axis in block.axes for level in axis.levels):
         problems += _level(base, known, level)[1]
+        if len(problems) > MOST_FAULTS:
+            break
     return problems
 
 
-def _level(base: Document, known: Sequence[Fault], level: Level) -> tuple[Document, list[Problem]]:
+def _level(base: Document, known: Collection[Fault], level: Level) -> tuple[Document, list[Problem]]:
     document, problems = base, []
     for assignment in level.assignments:
         try:
@@ -59,22 +90,25 @@ def combination_problems(campaign: Campaign, tree: Tree, blocks: Sequence[Block]
     """What only goes wrong when axes, draws and encounters meet; each distinct fault once, with the first cell that has it."""
     problems: list[Problem] = []
     parts = resolved_parts(campaign)
+    tried = CELLS_TRIED / _weight(campaign.obstacles)
+    cells = max(tried, sum(block.size for block in blocks))
     for block in blocks:
         part = parts[block.part]
         found = skip_problems(block) + overwritten_draws(block, part)
-        problems += found or _of_cells(campaign, tree, block, part)
+        problems += found or _of_cells(campaign, tree, block, part, max(FEWEST_TRIED, round(tried * block.size / cells)))
     return problems
 
 
-def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part) -> list[Problem]:
+def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part, most: int) -> list[Problem]:
+    """``most``: so many cells are tried."""
     problems: dict[Fault | str, Problem] = {}
     speeds: dict[float, None] = {}
-    for cell, document, plan in plans_of_cells(campaign, block, part, tree):
+    for cell, document, plan in plans_of_cells(campaign, block, part, tree, block.some_cells(most)):
         found: dict[Fault | str, Problem | None] = {}
         if isinstance(plan, FlightPlan):
             speeds[plan.speed_mps] = None
             try:
-                found = {fault: document.problem(fault) for fault in unfit(plan) if fault not in problems}
+                found = {fault: document.problem(fault) for fault in _amiss(plan, part) if fault not in problems}
             except SpecError as error:
                 problems |= {str(problem): problem for problem in error.problems}
                 continue
@@ -88,6 +122,14 @@ def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part) -> list[
             if one and key not in problems:
                 problems[key] = replace(one, message=f"{one.message} (in the cell '{block.cell_id(cell)}')")
     return [*problems.values(), *_of_encounters(campaign, block, part, list(speeds))]
+
+
+def _amiss(plan: FlightPlan, part: Part | None = None) -> list[Fault]:
+    """What keeps a plan from being flown, by its aircraft or by anybody. Raises ``SpecError`` when the aircraft's files are wrong."""
+    found = [*unfit(plan), *impossible(plan)]
+    if part and part.encounters and not found and (why := unseen(plan, part.encounters.radius_m[1])):
+        found = [Fault(("encounters", "radius_m"), why)]
+    return found
 
 
 def _of_draws(draws: dict[str, Draw], block: Block, document: Document, plan: FlightPlan) -> Iterator[Problem]:
@@ -111,7 +153,7 @@ def _of_draws(draws: dict[str, Draw], block: Block, document: Document, plan: Fl
         drawn = document.assign(made)
         try:
             flown = FlightPlan.model_validate({**drawn.data, **who})
-            yield from (found for fault in unfit(flown) if (found := drawn.problem(fault)))
+            yield from (found for fault in _amiss(flown) if (found := drawn.problem(fault)))
         except ValidationError as error:
             yield from (found for fault in faults_of(error) if (found := drawn.problem(fault, made)))
 
@@ -121,7 +163,7 @@ def _of_encounters(campaign: Campaign, block: Block, part: Part, speeds: Sequenc
         return []
     try:
         for speed in speeds:
-            for replicate in range(part.replicates or 1):
+            for replicate in range(min(part.replicates or 1, ENCOUNTERS_TRIED)):
                 part.encounters.drawn(speed, campaign.seed, replicate)
     except NoEncounterError as error:
         return [Problem(*block.key("encounters"), str(error))]

@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 LINE_WIDTH = 120
 """Characters of a source line that are shown around the column of a problem."""
 
+MOST_SHOWN = 20
+"""Problems that are printed; who has more wants to mend these first."""
+
 TAB = "\t"
 
 
@@ -105,7 +108,9 @@ class SpecError(Exception):
         super().__init__(self.problems)
 
     def __str__(self) -> str:
-        return "\n".join(map(str, self.problems))
+        more = len(self.problems) - MOST_SHOWN
+        told = [str(problem) for problem in self.problems[:MOST_SHOWN]]
+        return "\n".join([*told, f"and {more:,} more"] if more > 0 else told)
 
 
 def did_you_mean(word: str, known: Iterable[str], prefix: str = "", suffix: str = "") -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from testbed.campaign.reading.blocks import Block, blocks_of, no_such_part, size_problems
 from testbed.campaign.reading.document import Assignment, Document, Fault, NoSuchObstacleError, faults
-from testbed.campaign.reading.findings import combination_problems, level_problems
+from testbed.campaign.reading.findings import combination_problems, level_problems, too_much
 from testbed.campaign.reading.labels import label_problems
 from testbed.campaign.reading.nodes import Tree, parse, read_text
 from testbed.campaign.reading.problems import Problem, Source, SpecError, Spot
@@ -44,14 +44,13 @@ def load_campaign(path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
     new = [fault for fault in now if fault not in before]
     made = [assignment for _, assignment in document.layers]
     problems += [found for fault in now if (found := document.problem(fault, made if fault in new else ()))]
-    problems += [found for block in blocks for found in level_problems(document, block)]
+    at = next((tree.key_spot(grid) for grid in ("parts", "sweep") if grid in tree.inside), tree.spot)
+    problems += too_much(document, blocks, at) or [found for block in blocks for found in level_problems(document, block)]
     if problems:
         raise SpecError(problems)
 
     campaign = Campaign.model_validate(document.data)
-    grid = "parts" if campaign.parts else "sweep"
-    too_many = size_problems(blocks, campaign, tree.key_spot(grid) if grid in tree.inside else tree.spot)
-    if too_many:
+    if too_many := size_problems(blocks, campaign, at):
         raise SpecError(too_many)
     if found_late := label_problems(campaign, tree, blocks) + combination_problems(campaign, _with_sets(tree, sets), blocks):
         raise SpecError(found_late)

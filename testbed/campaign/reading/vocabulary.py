@@ -13,7 +13,7 @@ from testbed.campaign.words.study import formerly
 Loc = tuple[str | int, ...]
 """Where a value stands in the data: keys and indices from the top."""
 
-OF_THE_CAMPAIGN = ("study", "study.kind")
+OF_THE_CAMPAIGN = ("study", "study.kind", "limits", "limits.flights", "limits.wall_limit_s")
 """Settings that all flights of a campaign have alike: no axis, part or draw changes them."""
 
 UNITS = {"_mps": "m/s", "_deg": "deg", "_hz": "Hz", "_m": "m", "_s": "s"}
@@ -85,7 +85,8 @@ def path_fault(path: str, root: type[FlightSettings]) -> tuple[str, str] | None:
     parts: Sequence[str] = path.split(".")
     kind: Any = root
     if root is FlightSettings and path in OF_THE_CAMPAIGN:
-        return f"'{path}' belongs to the campaign as a whole, not to a flight", "study.options.<name> can differ"
+        differs = "study.options.<name>" if parts[0] == "study" else "limits.flight_s and limits.log_mb"
+        return f"'{path}' belongs to the campaign as a whole, not to a flight", f"{differs} can differ"
     for i, part in enumerate(parts):
         known = keys(kind)
         prefix = "".join(f"{before}." for before in parts[:i])

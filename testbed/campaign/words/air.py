@@ -4,9 +4,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from testbed.core.section import Direction, NonNegative, Number, Positive, Section
+from testbed.core.section import Between, Direction, Distance, Flat, Instant, NoAir, NonNegative, Number, Positive, Section
 
 WindSpeed = Annotated[NonNegative, Field(le=40)]
+Above = Annotated[Positive, Between("that is no height above the ground", least=0.001), NoAir]
 From = Annotated[Number, Field(ge=-360, le=360)]
 Severity = Literal["light", "moderate", "severe"]
 
@@ -35,7 +36,7 @@ class PowerLawWind(Section):
     """Speed of the air over the ground at the reference height, m/s."""
     from_deg: From
     """Compass direction the wind comes FROM, deg."""
-    reference_height_m: Positive = 10.0
+    reference_height_m: Above = 10.0
     """Height above the ground of speed_mps, m."""
     exponent: Annotated[NonNegative, Field(le=1)] = 1.0 / 7.0
     """1/7 over open ground by day."""
@@ -49,9 +50,9 @@ class LogarithmicWind(Section):
     """Speed of the air over the ground at the reference height, m/s."""
     from_deg: From
     """Compass direction the wind comes FROM, deg."""
-    reference_height_m: Positive = 10.0
+    reference_height_m: Above = 10.0
     """Height above the ground of speed_mps, m."""
-    roughness_m: Positive = 0.05
+    roughness_m: Annotated[Positive, Between("no ground is smoother", least=1e-6), NoAir] = 0.05
     """Roughness length of the ground, m. Grass: 0.05. MIL-F-8785C: 0.046 (0.15 ft) for landing, 0.61 (2 ft) for the rest."""
 
     @model_validator(mode="after")
@@ -76,9 +77,9 @@ class _DiscreteGust(Section):
     """Direction towards which the gust blows, in its frame: [azimuth counter-clockwise, elevation up], deg. [0, 90] is an updraught."""
     frame: Literal["track", "enu"] = "track"
     """Where azimuth 0 points. track: along the route, seen from above, where the gust begins (90 is to the left). enu: east."""
-    at_time_s: NonNegative | None = None
+    at_time_s: Annotated[Instant, Field(ge=0)] | None = None
     """The gust begins at this time after the flight begins, everywhere at once, s."""
-    at_route_s_m: NonNegative | None = None
+    at_route_s_m: Distance | None = None
     """The gust begins at the plane across the route at this arc length, and stands there, m."""
 
     @model_validator(mode="after")
@@ -98,9 +99,9 @@ class OneMinusCosineGust(_DiscreteGust):
     """Rises as (1 - cos)/2 over a length, holds, and falls as it rose (MIL-F-8785C 3.7.1.3 rises and holds)."""
 
     kind: Literal["one_minus_cosine"]
-    rise_m: Positive
+    rise_m: Annotated[Positive, Between("that is a step gust", least=0.01), Flat]
     """Length from nothing to full strength (the gust length d_m of MIL-F-8785C), m. A gust in time passes at the set speed."""
-    hold_m: NonNegative | None = 0.0
+    hold_m: Distance | None = 0.0
     """Length at full strength, m; empty: it never falls, as in MIL-F-8785C."""
 
 
@@ -116,7 +117,7 @@ class DrydenTurbulence(Section):
     kind: Literal["dryden"]
     severity: Severity
     """light, moderate or severe (MIL-F-8785C 3.7.2, 3.7.3)."""
-    height_m: Positive | None = None
+    height_m: Above | None = None
     """Height above the ground that sets strength and scale, m; empty: that of the route's start."""
 
 

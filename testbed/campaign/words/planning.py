@@ -6,7 +6,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from testbed.campaign.words.pluggable import Pluggable
-from testbed.core.section import NonNegative, Number, Positive, Section
+from testbed.campaign.words.route import Magnitude
+from testbed.core.section import Between, Distance, Duration, NonNegative, Number, Range, Section
 from vosc import Obstacle, Own
 from vosc.methods import checked_choice
 
@@ -19,7 +20,7 @@ class Sensor(Pluggable):
 
     kind: str = "truth"
     """truth: position and velocity without error. `file:name` is a sensor of a plug-in."""
-    range_m: Positive = 100.0
+    range_m: Range = 100.0
     """An obstacle is seen when its centre is this near, m."""
 
     @classmethod
@@ -75,7 +76,7 @@ class Rejoin(Section):
     when: Literal["insertion_point", "clear"] = "insertion_point"
     """insertion_point: planned at once, from there on (the paper). clear: the avoidance direction is held until every obstacle opens
     and the way back keeps its radius. A direct answer has no insertion point and always waits until it is clear."""
-    margin_m: NonNegative = 1.0
+    margin_m: Distance = 1.0
     """The way back is clear when it passes every obstacle with this much to spare, m."""
     bank_deg: Annotated[Number, Field(ge=5, le=70)] = 45.0
     """The way back to the route turns no tighter than a level turn with this bank, deg."""
@@ -91,19 +92,19 @@ class Replan(Section):
     direction at once; a kinematic plant's velocity then jumps to it."""
     rejoin: Rejoin = Rejoin()
     """How the flight comes back."""
-    k: Annotated[Number, Field(ge=1)] = 1.25
+    k: Annotated[Number, Field(ge=1), Between("the insertion point would be nowhere near the obstacle", most=1000.0)] = 1.25
     """The insertion point lies k radii ahead of the obstacle's centre, along its velocity (eq. 35)."""
     time_rule: Literal["arrival", "paper_4_3_2"] = "arrival"
     """When the insertion point is reached: arrival (own travel time to it) or the rule of section 4.3.2."""
-    swell_m: NonNegative = 0.0
+    swell_m: Distance = 0.0
     """Added to the radius of every obstacle that the planner knows; clearance is still counted from the radius itself, m."""
-    horizon_s: Positive = 10.0
+    horizon_s: Duration = 10.0
     """A threat further away in time than this is ignored, s."""
-    magnitude_chords: Annotated[Positive, Field(le=3)] = 1.0
+    magnitude_chords: Magnitude = 1.0
     """Length of the end tangents of each new piece of path, in its chord lengths."""
     vo_frame: Literal["air", "ground_naive"] = "air"
     """air: velocities less the known wind, own sphere of radius airspeed. ground_naive: velocities over the ground, as in calm air."""
     wind_known: Literal["exact", "estimated", "none"] = "exact"
     """What the planner knows of the mean wind where it is: all of it, with an error that is drawn once a flight, or nothing."""
-    wind_estimate_sigma_mps: NonNegative = 1.0
+    wind_estimate_sigma_mps: Annotated[NonNegative, Between("no wind is as strong", most=100.0)] = 1.0
     """Standard deviation of the error of an estimated wind, for each horizontal component, m/s."""

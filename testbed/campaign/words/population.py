@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from testbed.core.frames import direction_deg, unit_from_direction, vec3
-from testbed.core.section import Direction, NonNegative, Point, Positive, Section
+from testbed.core.section import Direction, Duration, Point, Positive, Radius, Range, Section, TrafficSpeed
 from testbed.core.seeds import stream
 
 OBSTACLE_NAME = "O"
@@ -55,9 +55,9 @@ class NoEncounterError(Exception):
 class Trigger(Section):
     """Where an encounter begins: how far before the closest approach."""
 
-    range_m: Positive | None = None
+    range_m: Range | None = None
     """Distance from the own aircraft to the obstacle's centre, m."""
-    time_to_cpa_s: Positive | None = None
+    time_to_cpa_s: Duration | None = None
     """Time to the closest approach, s."""
 
     @model_validator(mode="after")
@@ -84,9 +84,9 @@ class Encounters(Section):
     """Direction of the route there: [azimuth counter-clockwise from east, elevation up], deg."""
     trigger: Trigger
     """How far before the closest approach that is."""
-    obstacle_speed_mps: tuple[NonNegative, NonNegative]
+    obstacle_speed_mps: tuple[TrafficSpeed, TrafficSpeed]
     """Least and largest speed of the obstacle, m/s."""
-    radius_m: tuple[Positive, Positive]
+    radius_m: tuple[Radius, Radius]
     """Least and largest radius of the sphere, m."""
     longest_s: Annotated[Positive, Field(le=3600)] = 10.0
     """Longest time from its begin to the closest approach, s."""

@@ -13,12 +13,30 @@ from pydantic_core import PydanticCustomError
 from testbed.campaign.words.air import Air
 from testbed.campaign.words.check import Check
 from testbed.campaign.words.grid import Grid, Part, Replicates, Stored
+from testbed.campaign.words.limits import Limits
 from testbed.campaign.words.planning import MethodSpec, PlannerSpec, Replan, Sensor
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Route
 from testbed.campaign.words.study import StudySpec
 from testbed.core.catalogue import aircraft_folders
-from testbed.core.section import Direction, Name, NonNegative, Number, Point, Positive, Section, Whole
+from testbed.core.section import (
+    Between,
+    Direction,
+    Distance,
+    Height,
+    Instant,
+    Name,
+    NonNegative,
+    Number,
+    Point,
+    Positive,
+    Radius,
+    Section,
+    TrafficSpeed,
+    Whole,
+)
+
+MOST_OBSTACLES = 1000
 
 
 def _known(what: str, name: str, known: Iterable[str]) -> str:
@@ -30,6 +48,8 @@ def _known(what: str, name: str, known: Iterable[str]) -> str:
 
 
 def _names_differ(obstacles: "tuple[ObstacleSpec, ...]") -> "tuple[ObstacleSpec, ...]":
+    if len(obstacles) > MOST_OBSTACLES:
+        raise ValueError(f"{len(obstacles):,} obstacles; at most {MOST_OBSTACLES:,}, which a planner can look at in time")
     names = [obstacle.name for obstacle in obstacles]
     if len(set(names)) != len(names):
         raise ValueError(f"obstacle names must differ: {', '.join(names)}")
@@ -42,7 +62,7 @@ Aircraft = Annotated[str, AfterValidator(lambda name: _known("aircraft", name, a
 class Begin(Section):
     """Where on the route the flight starts: an arc length, or the first place where the climb is at most a limit."""
 
-    at_route_s_m: NonNegative | None = None
+    at_route_s_m: Distance | None = None
     """Arc length along the route, m."""
     climb_at_most_deg: Annotated[Number, Field(gt=-90, lt=90)] | None = None
     """The first place where the route's climb angle is at most this, deg."""
@@ -57,7 +77,7 @@ class Begin(Section):
 class When(Section):
     """The instant at which an obstacle is at its ``position_enu_m``: a time, or when the plan has the aircraft at a point."""
 
-    time_s: Number | None = None
+    time_s: Instant | None = None
     """Time after the flight begins, s."""
     own_reaches_enu_m: Point | None = None
     """When the plan without obstacles has the aircraft nearest to this point: [east, north, up], m."""
@@ -79,11 +99,11 @@ class ObstacleSpec(Pluggable):
     """straight: on a straight line at a constant speed. `file:name` is a track of a plug-in, which starts from what stands here."""
     name: Name
     """Short name: letters, digits, _ and -. A sweep addresses the obstacle by it."""
-    radius_m: Positive
+    radius_m: Radius
     """The sphere's radius, m."""
     position_enu_m: Point
     """The centre at the instant `when`: [east, north, up], m."""
-    speed_mps: NonNegative
+    speed_mps: TrafficSpeed
     """Speed over the ground, m/s."""
     direction_deg: Direction
     """Direction of flight: [azimuth counter-clockwise from east, elevation up], deg."""
@@ -169,7 +189,7 @@ class Vary(Section):
 class FlightSettings(Section):
     """Everything one flight needs, apart from who it is."""
 
-    speed_mps: Annotated[Positive, Field(le=1000)] = 50.0
+    speed_mps: Annotated[Positive, Field(le=1000), Between("nothing that flies is slower", least=1.0)] = 50.0
     """Set speed, m/s. Where the plant flies the aircraft, one that it can hold: `limits` of its aircraft.yaml."""
     speed_hold: Literal["airspeed", "groundspeed"] = "airspeed"
     """Which speed is held at speed_mps."""
@@ -177,7 +197,7 @@ class FlightSettings(Section):
     """The original path."""
     geometry: Literal["as_given", "level"] = "as_given"
     """level: the whole encounter turned about the route's start so that both end tangents are horizontal."""
-    terrain_z_m: Number = -200.0
+    terrain_z_m: Height = -200.0
     """Height of the flat ground in the ENU frame, m."""
     begin: Begin = Begin(at_route_s_m=0.0)
     """Where on the route the flight starts."""
@@ -205,6 +225,8 @@ class FlightSettings(Section):
     """The air that every plant flies in."""
     vary: Vary = Vary()
     """How far the aircraft's data are off those that its gains were made for. A kinematic plant has none of them."""
+    limits: Limits = Limits()
+    """How long a flight may take, and how much of the computer; how many flights there may be."""
     study: StudySpec = StudySpec()
     """What judges the flights, and what it leads the page with."""
 

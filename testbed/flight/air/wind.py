@@ -4,7 +4,9 @@ import math
 from collections.abc import Callable
 
 from testbed.campaign.words.air import Air, Calm, LogarithmicWind, PowerLawWind, SteadyWind
-from testbed.core.frames import Vec3, wind_enu_from_compass
+from testbed.core.frames import Vec3, ground_speed_along, wind_enu_from_compass
+
+__all__ = ["STILL", "Wind", "ground_speed_along", "logarithmic", "make_wind", "power_law", "steady_wind"]
 
 Wind = Callable[[float, Vec3], Vec3]  # (t_s, pos_enu_m) -> velocity of the air over the ground, ENU m/s
 
@@ -44,10 +46,3 @@ def logarithmic(wind: LogarithmicWind) -> Callable[[float], float]:
     roughness = wind.roughness_m
     scale = 1.0 / math.log(wind.reference_height_m / roughness)
     return lambda height_m: scale * math.log(height_m / roughness) if height_m > roughness else 0.0
-
-
-def ground_speed_along(tangent: Vec3, airspeed_mps: float, wind: Vec3) -> float:
-    """Speed over the ground along a unit tangent at a given true airspeed: |v_g T - W| = TAS, the forward root; 0 if there is none."""
-    along = sum(t * w for t, w in zip(tangent, wind, strict=True))
-    square = along * along - (sum(w * w for w in wind) - airspeed_mps * airspeed_mps)
-    return max(0.0, along + square**0.5) if square > 0.0 else 0.0

@@ -12,7 +12,7 @@ import math
 
 from testbed.core.units import G0_MPS2
 from testbed.flight.guidance.bank_to_turn import BankToTurn
-from testbed.flight.guidance.law import GuidanceSetting, Memory, SpeedHold, Telemetry
+from testbed.flight.guidance.law import STANDSTILL_MPS, VERTICAL, GuidanceSetting, Memory, SpeedHold, Telemetry
 from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Command, State
 from testbed.flight.route.path import Path
@@ -33,7 +33,7 @@ class L1Law:
     def step(self, memory: Memory, state: State, path: Path) -> tuple[Command, Memory, Telemetry]:
         x, y, z, vx, vy, vz = state[:6]
         flat = math.hypot(vx, vy)
-        speed = math.hypot(flat, vz)
+        speed = math.hypot(flat, vz) or STANDSTILL_MPS
         s, off = _nearest(memory.s_m, state, path)
         length = speed * self._seconds
         # the reference point is where the sphere of radius L1 meets the path: ahead of the nearest point by Pythagoras
@@ -41,10 +41,11 @@ class L1Law:
         d, (px, py, pz, tx, ty, tz, _, _, _) = path.look_up(s + ahead)
         dx, dy, dz = px + tx * d - x, py + ty * d - y, pz + tz * d - z
         along = (dx * vx + dy * vy + dz * vz) / speed
-        gain = 2.0 * speed * speed / (dx * dx + dy * dy + dz * dz)
+        gain = 2.0 * speed * speed / max(dx * dx + dy * dy + dz * dz, STANDSTILL_MPS**2)
         ax, ay, az = (gain * (c - along * v / speed) for c, v in ((dx, vx), (dy, vy), (dz, vz)))
-        left = (ay * vx - ax * vy) / flat
-        up = (az * flat - vz * (ax * vx + ay * vy) / flat) / speed + G0_MPS2 * flat / speed
+        hx, hy = (vx / flat, vy / flat) if flat > VERTICAL * speed else (1.0, 0.0)  # straight up, every heading is as good
+        left = ay * hx - ax * hy
+        up = (az * flat - vz * (ax * hx + ay * hy)) / speed + G0_MPS2 * flat / speed
         bank, load_factor, limited = self._turn.solve(left, left, up, state.bank, state.airspeed)
         _, power_ahead = path.look_up(s + speed * self._power_ahead_s)
         airspeed, scheduled = self._hold.solve(state.airspeed, speed, memory.scheduled_s_m - s)

@@ -11,6 +11,8 @@ CATCH_UP_1PS = 0.5  # airspeed added per metre behind the schedule ...
 CATCH_UP_SHARE = 0.06  # ... up to this share of the set speed
 
 BANK_LIMITED, LIFT_LIMITED = 1.0, 2.0
+STANDSTILL_MPS = 1e-9  # a point that the wind holds up has no direction
+VERTICAL = 1e-9  # a velocity with a smaller share over the ground points straight up or down
 
 
 class Memory(NamedTuple):

@@ -12,7 +12,7 @@ import math
 
 from testbed.core.units import G0_MPS2
 from testbed.flight.guidance.bank_to_turn import BankToTurn
-from testbed.flight.guidance.law import GuidanceSetting, Memory, SpeedHold, Telemetry
+from testbed.flight.guidance.law import STANDSTILL_MPS, VERTICAL, GuidanceSetting, Memory, SpeedHold, Telemetry
 from testbed.flight.plants.aircraft import Aircraft
 from testbed.flight.plants.base import Command, State, make
 from testbed.flight.route.path import Path
@@ -42,7 +42,7 @@ class LookAheadLaw:
         s, scheduled_s, i_left, i_up = memory
         flat2 = vx * vx + vy * vy
         speed2 = flat2 + vz * vz
-        flat, speed = math.sqrt(flat2), math.sqrt(speed2)
+        flat, speed = math.sqrt(flat2), math.sqrt(speed2) or STANDSTILL_MPS
 
         # nearest point: from the last one, one step along the velocity, then one correction
         d, (px, py, pz, tx, ty, tz, kx, ky, kz) = path.look_up(s)
@@ -57,7 +57,7 @@ class LookAheadLaw:
         )
 
         # components along the left (lx, ly, 0) and up (ux, uy, uz) normals of the ground velocity, which has none itself
-        lx, ly = -vy / flat, vx / flat
+        lx, ly = (-vy / flat, vx / flat) if flat > VERTICAL * speed else (0.0, 1.0)  # straight up, every side is as good
         sin_climb, uz = vz / speed, flat / speed
         ux, uy = -sin_climb * ly, sin_climb * lx
         e_left, e_up = ex * lx + ey * ly, ex * ux + ey * uy + ez * uz

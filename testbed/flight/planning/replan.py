@@ -29,10 +29,12 @@ from collections.abc import Mapping, Sequence
 from time import thread_time
 from typing import Any, NamedTuple
 
+from testbed.core.chain import FEW
 from testbed.core.frames import Vec3, vec3
+from testbed.flight.impossible import NoWayError
 from testbed.flight.planning.context import STILL, Answer, Context, Step
 from testbed.flight.planning.decision import Sighting, carried, make_event
-from testbed.flight.planning.rejoin import Rejoin, joined, miss_along, ray
+from testbed.flight.planning.rejoin import Rejoin, Way, joined, miss_along, ray
 from testbed.flight.planning.steering import SteeringLaw, arc
 from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.base import State
@@ -43,19 +45,26 @@ from vosc import Insertion, Own, insertion_point
 from vosc.methods import Avoidance, Status, avoid
 from vosc.vec import add, norm, sub
 
+HELD_ON_S = 1.0  # so long before its end a path that is held is left, whatever the way back
+AGAIN_S = 0.5  # after so long a way back to a route of many pieces is looked for again: the search takes long
 NO_ONE: Mapping[str, Seen] = {}
 
 
 class Memory(NamedTuple):
     """The planner's memory: names of the threats that have been answered; from which arc length of the active path on the flight
     looks for the way back (infinite when it does not, and from anywhere while a law steers); every obstacle as it was last seen, for
-    flights that look for one; and the memory of the law that steers, in a tuple (None when none does).
+    flights that look for one; the memory of the law that steers, in a tuple (None when none does); what the arc length of the route is
+    more than that of the active path (NaN while it is elsewhere); the arc length at which the flight left the route; and the time before
+    which no way back is looked for again.
     """
 
     handled: frozenset[str] = frozenset()
     hold_from_s_m: float = math.inf
     known: Mapping[str, Seen] = NO_ONE
     law: tuple[Any] | None = None
+    ahead_m: float = 0.0
+    left_s_m: float = 0.0
+    not_before_s: float = -math.inf
 
 
 class Replanner:
@@ -70,6 +79,7 @@ class Replanner:
         law: Any = part(**options) if inspect.isclass(part) else None
         self._law: SteeringLaw | None = law
         self._comes_back = law is not None or self._settings.answer == "direct" or self._settings.rejoin.when == "clear"
+        self._again_s = AGAIN_S if len(context.route.curves) > FEW else 0.0
         self._rejoin, self._alarmed = Rejoin(context), Watch(context.replan.swell_m).alarmed
         return Memory()
 
@@ -88,7 +98,8 @@ class Replanner:
             sightings = [Sighting.of(one, time_s, own, wind, self._settings) for one in seen]
             if any(sighting.obstacle.is_threat and sighting.seen.name not in memory.handled for sighting in sightings):
                 return self._answer(memory, time_s, state, sightings, path, s_m)
-        return self._back(memory, time_s, state, seen) if holds else (memory, None, None)
+        ends = path.lasting and s_m >= path.length_m - HELD_ON_S * norm((state.vx, state.vy, state.vz))
+        return self._back(memory, time_s, state, seen, ends) if holds else (memory, None, None)
 
     def _own(self, time_s: float, state: State) -> tuple[Own, Vec3]:
         """The aircraft in the planner's frame, and the wind that this frame moves with."""
@@ -103,17 +114,20 @@ class Replanner:
         threats = [sighting for sighting in sightings if sighting.obstacle.is_threat]
         major = min(threats, key=lambda sighting: time_of_collision(own, sighting))
         known = {**memory.known, **{sighting.seen.name: sighting.seen for sighting in sightings}}
-        memory = memory._replace(handled=memory.handled | {sighting.seen.name for sighting in threats}, known=known)
+        left_s_m = memory.left_s_m if math.isnan(memory.ahead_m) else max(memory.left_s_m, s_m + memory.ahead_m)
+        handled = memory.handled | {sighting.seen.name for sighting in threats}
+        memory = memory._replace(handled=handled, known=known, left_s_m=min(left_s_m, self._context.route.length_m))
         passing = miss_along(path, s_m, norm(add(own.vel_mps, wind)), time_s, [sighting.seen for sighting in threats])
         kind, answer, insertion, new = self._context.method.kind, None, None, None
         if self._law is not None:
             decision = Decision.STEERED
-            memory = memory._replace(law=(self._law.start(self._context),), hold_from_s_m=-math.inf)
+            memory = memory._replace(law=(self._law.start(self._context),), hold_from_s_m=-math.inf, ahead_m=math.nan)
         else:
-            answer, insertion, new, decision = self._avoided(own, wind, sightings, major)
-        if new is not None:
-            holds = insertion is None or self._settings.rejoin.when == "clear"
-            memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf)
+            answer, insertion, way, decision = self._avoided(own, wind, sightings, major, memory.left_s_m)
+            new = ActivePath(way.curves) if way else None
+            if way and new:
+                holds = insertion is None or self._settings.rejoin.when == "clear"
+                memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf, ahead_m=way.ahead_m)
         self.slowest_s = max(self.slowest_s, thread_time() - began)
         event = make_event(time_s, decision, kind, own, major, answer, insertion, new, wind, passing, status=Decision.STEERED)
         if memory.law is not None:
@@ -121,36 +135,38 @@ class Replanner:
         return Step(memory, new, event)
 
     def _avoided(
-        self, own: Own, wind: Vec3, sightings: Sequence[Sighting], major: Sighting
-    ) -> tuple[Avoidance, Insertion | None, ActivePath | None, Decision]:
-        """The method's answer, the insertion point, the path through it, and what was decided."""
+        self, own: Own, wind: Vec3, sightings: Sequence[Sighting], major: Sighting, left_s_m: float
+    ) -> tuple[Avoidance, Insertion | None, Way | None, Decision]:
+        """The method's answer, the insertion point, the way through it, and what was decided."""
         settings, (kind, method, options) = self._settings, self._context.method
         answer = avoid(method, own, [sighting.obstacle for sighting in sightings], **options)
         if kind == "none" or answer.status not in (Status.AVOIDED, Status.UNSAFE):
             return answer, None, None, Decision.NONE if kind == "none" else Decision(answer.status)
         direct = settings.answer == "direct"
         insertion = None if direct else insertion_point(own, major.obstacle, settings.k, settings.time_rule)
-        new = self._path(own, answer, insertion, wind) if direct or insertion else None
-        decision = Decision.REPLANNED if new else Decision.NO_PATH if direct or insertion else Decision.NO_INSERTION_POINT
-        return answer, insertion, new, decision
+        way = self._way(own, answer, insertion, wind, left_s_m) if direct or insertion else None
+        decision = Decision.REPLANNED if way else Decision.NO_PATH if direct or insertion else Decision.NO_INSERTION_POINT
+        return answer, insertion, way, decision
 
-    def _path(self, own: Own, answer: Avoidance, insertion: Insertion | None, wind: Vec3) -> ActivePath | None:
+    def _way(self, own: Own, answer: Avoidance, insertion: Insertion | None, wind: Vec3, left_s_m: float) -> Way | None:
         """PH from the present state to the insertion point with the avoidance direction there, and on; or that direction at once."""
         settings = self._settings
         command = add(vec3(answer.velocity_mps), wind)
         try:
             if insertion is None:
-                return ActivePath((ray(own.pos_m, command),))
+                return Way((ray(own.pos_m, command),))
             start, middle = own.pos_m, carried(insertion, wind)
             there = joined(start, add(own.vel_mps, wind), middle, command, settings.magnitude_chords)
-            on = (ray(middle, command),) if settings.rejoin.when == "clear" else self._rejoin.curves(middle, command)
-            return ActivePath((there, *on))
-        except (ValueError, ZeroDivisionError):  # coincident points; a command that stands still over the ground
+            if settings.rejoin.when == "clear":
+                return Way((there, ray(middle, command)))
+            on = self._rejoin.way(middle, command, left_s_m, now=True)
+            return Way((there, *on.curves), on.ahead_m - there.length_m)
+        except NoWayError:  # coincident points; a command that stands still over the ground
             return None
 
     def _steered(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
         """The way back, once the flight is clear; until then what the law says."""
-        back = self._back(memory, time_s, state, seen)
+        back = self._back(memory, time_s, state, seen, ends=False)
         return self._steer(memory, time_s, state, seen, s_m) if back.path is None else back
 
     def _steer(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
@@ -162,19 +178,25 @@ class Replanner:
             raise ValueError(f"a law must return (memory, Steer), not {answer!r}")
         return Step(memory._replace(law=answer[:1]), arc(answer[1], state, s_m))
 
-    def _back(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen]) -> Step:
-        """The way back, once the flight is clear of what was answered and of what is in sight."""
+    def _back(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], ends: bool) -> Step:
+        """The way back, once the flight is clear of what was answered and of what is in sight. ``ends``: the path that is held does."""
         in_sight = {one.name for one in seen}
         known = [one for name, one in memory.known.items() if name in memory.handled or name in in_sight]
-        path = self._rejoin.when_clear(time_s, state, known)
-        if path is None:
+        if time_s < memory.not_before_s:
             return Step(memory)
+        try:
+            way = self._rejoin.when_clear(time_s, state, known, memory.left_s_m, ends)
+        except NoWayError:
+            return Step(memory._replace(not_before_s=time_s + self._again_s))
+        if way is None:
+            return Step(memory)
+        path = ActivePath(way.curves)
         own, wind = self._own(time_s, state)
         nearest = min(known, key=lambda one: math.dist(own.pos_m, one.at(time_s)) - one.radius_m)
         sighting = Sighting.of(nearest, time_s, own, wind, self._settings)
         passing = miss_along(path, 0.0, norm((state.vx, state.vy, state.vz)), time_s, known)
         event = make_event(time_s, Decision.REJOINED, self._context.method.kind, own, sighting, None, None, path, wind, passing)
-        return Step(memory._replace(hold_from_s_m=math.inf, law=None), path, event)
+        return Step(memory._replace(hold_from_s_m=math.inf, law=None, ahead_m=way.ahead_m), path, event)
 
 
 def time_of_collision(own: Own, sighting: Sighting) -> float:

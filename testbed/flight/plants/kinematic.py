@@ -66,7 +66,7 @@ class KinematicPlant:
         bank, load_factor = coordinated(velocity, (v * v * curvature[0], v * v * curvature[1], v * v * curvature[2]))
         airspeed = math.dist(velocity, air)
         heading = math.atan2(velocity[0] - air[0], velocity[1] - air[1]) % math.tau
-        pitch = math.asin(tz)
+        pitch = math.asin(-1.0 if tz < -1.0 else 1.0 if tz > 1.0 else tz)  # a unit vector is one up to rounding
         return State(x, y, z, *velocity, bank, pitch, heading, load_factor, airspeed, *NOT_THERE, *air)
 
     def _s(self) -> float:

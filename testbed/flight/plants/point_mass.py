@@ -72,8 +72,9 @@ class PointMassPlant:
         bank, load_factor = coordinated((velocity[0], velocity[1], velocity[2]), (turn[0], turn[1], turn[2]))
         self._pos = start.pos
         self._air = start.wind  # velocity of the air over the ground where the point is
-        self._speed = math.hypot(*air)
-        self._climb, self._track = math.asin(air[2] / self._speed), math.atan2(air[0], air[1])
+        self._speed = max(SLOWEST_MPS, math.hypot(*air))
+        self._climb = math.asin(max(-1.0, min(1.0, air[2] / self._speed)))
+        self._track = math.atan2(air[0], air[1])
         self._bank, self._load_factor = bank, load_factor  # the latter without the gust load
         self._gust_load = self._gust_integral = 0.0
         self._thrust = self._drag(self._speed, load_factor) + math.sin(self._climb)

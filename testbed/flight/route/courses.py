@@ -10,6 +10,7 @@ from testbed.campaign.words.settings import FlightPlan
 from testbed.core.frames import unit_from_direction
 from testbed.core.seeds import stream
 from testbed.core.units import DEG
+from testbed.flight.impossible import NoRouteError
 from vosc import ph
 
 Array = np.ndarray
@@ -23,7 +24,7 @@ Arc = tuple[float, float]  # length (m), turn (rad)
 def route_pieces(plan: FlightPlan) -> list[Ends]:
     """The pieces of a plan's route, by their ends, as it is written (before any turn to level).
 
-    Each is the canonical PH quintic of its ends. Raises ``ValueError`` when there is none.
+    Each is the canonical PH quintic of its ends. Raises ``NoRouteError`` when there is none.
     """
     route = plan.route
     if route.shape is None:
@@ -32,7 +33,7 @@ def route_pieces(plan: FlightPlan) -> list[Ends]:
 
 
 def course(shape: Circle | Racetrack | Swerve | Random, rng: np.random.Generator) -> list[Ends]:
-    """The pieces of a shape, from the origin along +x. Only a random one draws from ``rng``. Raises ``ValueError`` if it cannot."""
+    """The pieces of a shape, from the origin along +x. Only a random one draws from ``rng``. Raises ``NoRouteError`` if it cannot."""
     match shape:
         case Circle():
             arcs = _arc(shape.radius_m, 2.0 * math.pi * shape.turns)
@@ -49,7 +50,7 @@ def course(shape: Circle | Racetrack | Swerve | Random, rng: np.random.Generator
 def _between_ends(route: Route) -> Ends:
     """End tangents of ``magnitude_chords`` chords."""
     if route.goal_enu_m is None or route.goal_direction_deg is None:
-        raise ValueError("the route has neither a goal nor a shape")
+        raise NoRouteError("it has neither a goal nor a shape")
     size = route.magnitude_chords * math.dist(route.start_enu_m, route.goal_enu_m)
     first, last = (size * np.array(unit_from_direction(*direction)) for direction in (route.start_direction_deg, route.goal_direction_deg))
     return np.array(route.start_enu_m), first, np.array(route.goal_enu_m), last
@@ -118,7 +119,7 @@ def _quintic(rng: np.random.Generator, least_radius_m: float, limit: float) -> E
         if max(-low, high) <= limit + 1e-9:
             size = least_radius_m * unit.max_curvature()
             return np.zeros(3), size * np.array(start), size * np.array(chord), size * np.array(end)
-    raise ValueError("no random curve within climb_at_most_deg")
+    raise NoRouteError("no random curve within climb_at_most_deg")
 
 
 def bends(rng: np.random.Generator, least_radius_m: float, limit: float) -> list[Ends]:

@@ -9,6 +9,7 @@ from testbed.campaign.words.settings import FlightPlan
 from testbed.core.chain import Chain
 from testbed.core.frames import vec3
 from testbed.flight.air import CALM, Wind
+from testbed.flight.impossible import NoMeetingError
 from testbed.flight.traffic.straight import shifted
 from testbed.flight.traffic.track import Track
 
@@ -64,14 +65,14 @@ def arc_lengths(route: Chain, from_s_m: float, elapsed_s: Array, plan: FlightPla
 
 
 class Schedule:
-    """Place and velocity of that point at any time of the plan. ``ValueError`` when the wind holds it up."""
+    """Place and velocity of that point at any time of the plan. ``NoMeetingError`` when the wind holds it up."""
 
     def __init__(self, route: Chain, begin_s_m: float, plan: FlightPlan, wind: Wind) -> None:
         self._route, self._plan, self._wind = route, plan, wind
         self._s = np.linspace(begin_s_m, route.length_m, FINE + 1)
         slow = _slowness(ground_speeds(route, self._s, plan, wind))
         if not np.isfinite(slow).all():
-            raise ValueError("the wind is too strong for this route: no encounter can be anchored to it")
+            raise NoMeetingError("the wind is too strong for this route: no encounter can be anchored to it")
         self.time_s = np.concatenate([[0.0], np.cumsum(0.5 * (slow[1:] + slow[:-1]) * np.diff(self._s))])
 
     def points(self) -> Array:
@@ -87,12 +88,12 @@ class Schedule:
     def closest_time(self, track: Track) -> float:
         """When the point is nearest to an obstacle's centre: the vertex of the parabola through the three nearest samples.
 
-        ``ValueError`` when the obstacle is never there.
+        ``NoMeetingError`` when the obstacle is never there.
         """
         relative = track.sampled(self.time_s)[0] - self.points()
         square = np.einsum("ij,ij->i", relative, relative)
         if np.isnan(square).all():
-            raise ValueError(f"obstacle {track.name} is not there while the route is flown: it has no encounter to be anchored")
+            raise NoMeetingError(f"obstacle {track.name} is not there while the route is flown: it has no encounter to be anchored")
         k = int(np.nanargmin(square))
         if k in (0, FINE) or not np.isfinite(square[k - 1 : k + 2]).all():
             return float(self.time_s[k])
@@ -110,5 +111,5 @@ def anchored(track: Track, in_calm: Schedule, in_wind: Schedule) -> Track:
     time = in_calm.closest_time(track)
     (own, own_vel), (there, vel_there) = in_calm.at(time), in_wind.at(time)
     if (met := track.at(time)) is None:
-        raise ValueError(f"obstacle {track.name} comes or goes at its closest approach: it has no encounter to be anchored")
+        raise NoMeetingError(f"obstacle {track.name} comes or goes at its closest approach: it has no encounter to be anchored")
     return shifted(track, time, np.asarray(met[0]) - own + there, np.asarray(met[1]) - own_vel + vel_there)

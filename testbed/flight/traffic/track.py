@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from testbed.core.frames import Vec3, vec3
+from testbed.flight.impossible import NoMeetingError
 
 Array = np.ndarray
 
@@ -82,13 +83,13 @@ class Sampled(ABC):
 class Shifted(Sampled):
     """A track moved as a whole, and carried on by a frame: at ``time_s`` it is at ``pos`` with the velocity ``vel``.
 
-    Raises ``ValueError`` when there is no obstacle at that time.
+    Raises ``NoMeetingError`` when there is no obstacle at that time.
     """
 
     def __init__(self, track: Track, time_s: float, pos: Array, vel: Array) -> None:
         there = track.at(time_s)
         if there is None:
-            raise ValueError(f"obstacle {track.name} is not there at {time_s:.2f} s, when the wind is to take hold of it")
+            raise NoMeetingError(f"obstacle {track.name} is not there at {time_s:.2f} s, when the wind is to take hold of it")
         self.name, self.radius_m = track.name, track.radius_m
         self._track, self._time_s = track, time_s
         self._offset, self._carried = pos - there[0], vel - there[1]

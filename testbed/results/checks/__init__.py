@@ -34,7 +34,8 @@ JUDGED = {Outcome.REACHED, Outcome.COLLIDED, Outcome.NO_PATH}
 
 def evidence(check: Check, record: FlightRecord) -> Evidence | None:
     """What the check needs of a record; None when the flight did not come to its end."""
-    return CHECKS[check.kind].gather(check, record) if record.outcome in JUDGED else None
+    flown = record.outcome in JUDGED and len(record.columns["time_s"]) > 1
+    return CHECKS[check.kind].gather(check, record) if flown else None
 
 
 def judge(check: Check, flights: Sequence[Flown], planned: int) -> tuple[CheckResult, ...]:
