@@ -29,8 +29,9 @@ def text_faults(text: str) -> list[str]:
 
 
 def _not_flown(row: Row) -> bool:
-    """No trim or no route, and so not a single tick."""
-    return row["outcome"] in ("trim_failed", "no_path") and math.isnan(row["flight_time_s"])
+    """Not a single tick: no trim, no route, the start in the ground. The row says why, and has no number of a flight."""
+    flown = (row["flight_time_s"], row["path_length_m"], row["max_airspeed_mps"], row["max_load_factor"])
+    return all(map(math.isnan, flown)) and row["outcome"] not in ("reached", "collided", "timed_out") and row["message"] != ""
 
 
 def _no_obstacle(row: Row) -> bool:

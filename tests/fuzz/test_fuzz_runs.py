@@ -101,7 +101,9 @@ def test_rows_are_judged() -> None:
     assert faults(path_length_m=missing) == ["path_length_m is missing (reached)"]
     assert faults(least_clearance_m=missing) == ["least_clearance_m is missing (reached)"]
     assert faults(least_clearance_m=missing, nearest_obstacle="") == []
-    assert faults(flight_time_s=missing, path_length_m=missing, outcome="trim_failed") == []
+    nothing = dict.fromkeys(["flight_time_s", "path_length_m", "max_airspeed_mps", "max_load_factor"], missing)
+    assert faults(**nothing, outcome="hit_ground", message="the start is in the ground") == []
+    assert len(faults(**nothing, outcome="hit_ground")) == len(faults(**nothing, message="why")) == 4
     assert faults(rejoin_time_s=missing) == []
     assert faults(rejoin_time_s=float("inf")) == ["rejoin_time_s is inf"]
     assert faults(outcome="crashed", message="x", traceback='File "/a/testbed/b.py", line 3, in f') == ["crashed: x b.py:3, in f"]

@@ -61,12 +61,9 @@ def model_faults(tree: Tree, folder: Path) -> list[Fault]:
         xml = read_xml(file)
     except ParseError as error:
         return [Fault(at, f"{file.name} is no XML that can be read: {error}")]
-    why = unreadable(xml, file)
-    lost = (
-        [Fault(at, why)]
-        if why
-        else [Fault(at, f"the {part.what} file '{part.name}' that {file.name} names is not there") for part in missing_files(xml, file)]
-    )
+    told = [f"the {part.what} file '{part.name}' that {file.name} names is not there" for part in missing_files(xml, file)]
+    bad = unreadable(xml, file)
+    lost = [Fault(at, why) for why in ([bad] if bad else told)]
     if not lost and not engines(xml, file):
         return [Fault(at, f"'{model.name}' has no engine: gliders are not supported, since a campaign holds speed and height")]
     return lost
