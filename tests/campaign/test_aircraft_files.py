@@ -140,7 +140,7 @@ def test_an_aircraft_without_gains_does_not_fly(mine: Path) -> None:
         ("Engines/p70.xml", b"", "no element found"),
         ("Engines/p70.xml", b"<turbine_engine name='x'>", "no element found"),
         ("Engines/direct.xml", b"</?xml version='1.0'?>\n<direct/>", "not well-formed"),
-        ("Engines/direct.xml", b"\xff\xfe\x00", "not well-formed"),
+        ("Engines/direct.xml", b"\xff\xfe\x00", "unclosed token"),
     ],
 )
 def test_a_part_of_the_model_that_is_no_xml_is_told_with_its_name(tmp_path: Path, name: str, text: bytes, why: str) -> None:
