@@ -70,6 +70,10 @@ EMPTY: dict[str, tuple[Callable[[Row], bool], str]] = {
         ).split(),
         (_may, "what ends an avoidance may not come: no insertion point, never clear, never back, or the flight ends at the trigger"),
     ),
+    "max_roll_rate_dps": (
+        lambda row: row["flight_time_s"] < 0.04,
+        "a point that is at its goal after a tick or two has no rate of anything",
+    ),
     "planned_min_radius_m": (_may, "a straight path has no bend"),
     "max_alpha_deg": (lambda row: row["plant"] != "jsbsim", "a point has no angle of attack"),
 }
