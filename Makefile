@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time aircraft-table test fast kills wheel wheel-test bench scale report docs lock clean
+.PHONY: help paper paper-full verify lead-time aircraft-table test fast fuzz kills mutants wheel wheel-test bench scale report docs lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -57,6 +57,11 @@ test: $(STAMP) ## style, types, import order, all tests
 
 fast: $(STAMP) ## the tests that take no longer than a second
 	$(BIN)/pytest -n auto -m "not slow and not browser and not viewer"
+
+# What falls is told with the command that tries it again; a small form of it goes into tests/fuzz/found, which `make test` replays.
+fuzz: $(STAMP) ## 26,600 mutated campaigns, settings and aircraft read, of them 3,600 flown; random draws of the property tests
+	$(BIN)/python -m tests.fuzz.run
+	HYPOTHESIS_PROFILE=random $(BIN)/pytest -n 2 --dist loadfile -m "not slow and not browser and not viewer" -k "not fuzz" tests
 
 SEED := 1
 kills: $(STAMP) ## kill 100 drivers, 50 workers and 20 Dask schedulers, continue, and compare bytes (SEED=1); half an hour

@@ -4,16 +4,19 @@
 """
 
 import contextlib
+import errno
 import functools
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, NoReturn, TextIO
+from typing import Annotated, Any, NoReturn
 
 import typer
 import typer.core
 import typer.main
+
+from testbed.cli.streams import UnsaidError, say
 
 
 class _WithPlugged(typer.core.TyperGroup):
@@ -55,13 +58,19 @@ app = typer.Typer(
 CRASHED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
-def say(text: str, stream: TextIO | None = None) -> None:
-    """Print; a reader that has gone away (``| head``) is no reason to fail."""
-    stream = stream or sys.stdout
+def told(problem: OSError) -> str:
+    """What the system says of which file."""
+    if problem.filename is None and problem.errno == errno.ENOENT and not _has_current_folder():
+        return "the current folder was removed: change to another"
+    return ": ".join(str(part) for part in (problem.filename, problem.strerror or problem) if part is not None)
+
+
+def _has_current_folder() -> bool:
     try:
-        print(text, file=stream, flush=True)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        os.getcwd()
+    except OSError:
+        return False
+    return True
 
 
 def fail(text: str, code: int = BAD_INPUT) -> NoReturn:
@@ -81,8 +90,10 @@ def bad_input() -> Iterator[None]:
         yield
     except (SpecError, BadInputError, EngineError) as problem:
         fail(str(problem))
+    except UnsaidError as problem:
+        fail(str(problem), CRASHED)
     except OSError as problem:  # a disk that is full, a folder that is read-only
-        fail(": ".join(str(part) for part in (problem.filename, problem.strerror or problem) if part is not None))
+        fail(told(problem))
 
 
 def _version(wanted: bool) -> None:

@@ -16,6 +16,7 @@ from testbed.campaign.words.settings import GuidanceSpec
 from testbed.contracts import flown, guidance, method
 from testbed.contracts.promise import Promise, report
 from testbed.core import options, plugins, registry
+from testbed.core.utf8 import whole
 
 Contract = Callable[[str, Any, Mapping[str, Any]], list[Promise]]
 
@@ -64,6 +65,8 @@ def given_options(written: Sequence[str]) -> dict[str, Any]:
             raise CheckError(str(error)) from None
         if problems:
             raise CheckError(str(SpecError(problems)))
+        if whole(key) != key:
+            raise CheckError(f"--set {whole(text)}: half a character (a lone surrogate) in the option's name")
         found[key.strip()] = tree.value
     return found
 

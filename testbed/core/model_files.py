@@ -59,6 +59,23 @@ def missing_files(model: Element, file: Path) -> list[Missing]:
     return list(lost)
 
 
+def unreadable(model: Element, file: Path) -> str:
+    """The first file that the model, or a file of it, names and that is no XML: its name and why. Empty if all can be read."""
+    todo, seen = [model], set()
+    while todo:
+        for element in todo.pop().iter():
+            name = element.get("file")
+            path = _found(name, file) if name and element.tag in ("engine", "thruster", *SECTIONS) else None
+            if path is None or path in seen:
+                continue
+            seen.add(path)
+            try:
+                todo.append(read_xml(path))
+            except ElementTree.ParseError as error:
+                return f"{path.name} is no XML that can be read: {error}"
+    return ""
+
+
 def _sections(model: Element, file: Path) -> Iterator[Element]:
     """The propulsion of the model, wherever it is written."""
     for section in model.findall("propulsion"):

@@ -68,7 +68,7 @@ def _whole(errors: list[ErrorDetails]) -> list[ErrorDetails]:
     """The errors, where those of a tuple's missing items (pydantic has one for each, up to the last) are one of the tuple's length."""
     lengths: dict[tuple[int | str, ...], int] = {}
     for error in errors:
-        *holder, item = error["loc"]
+        *holder, item = error["loc"] or (None,)  # of the options as a whole: a name that is no text
         if error["type"] == "missing" and isinstance(item, int):
             lengths[tuple(holder)] = item + 1
     found: dict[Any, ErrorDetails] = {}

@@ -1,7 +1,6 @@
 """The run directory: whose it is, who may write to it, and how files get into it whole."""
 
 import errno
-import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,6 +9,9 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from filelock import FileLock, Timeout
+
+from testbed.run import foreign
+from testbed.run.foreign import is_plain
 
 LOCK = ".lock"
 OURS = ("campaign.yaml", "plan.json", "rows.jsonl", "timings.csv", "results.csv", "results.parquet", "checks.csv", "index.html")
@@ -41,12 +43,12 @@ class RunDirectory:
 
     @property
     def is_run(self) -> bool:
-        return (self / MANIFEST).is_file()
+        return _is_file(self / MANIFEST) or (self / MANIFEST).is_symlink()  # which is then refused by its name
 
     def load(self, name: str) -> Any:
         """A JSON file of the run."""
         try:
-            return json.loads((self / name).read_bytes())
+            return foreign.loads((self / name).read_bytes())
         except FileNotFoundError:
             raise BadInputError(f"{self.path}: no {name} here; is it a run directory?") from None
         except ValueError as problem:
@@ -59,10 +61,16 @@ class RunDirectory:
         if self.path.exists() and not self.path.is_dir():
             raise BadInputError(f"{self.path}: not a directory; choose another with --out")
         self.path.mkdir(parents=True, exist_ok=True)
-        foreign = sorted(entry.name for entry in self.path.iterdir() if not entry.name.startswith("."))
-        if foreign and not self.is_run:
-            shown = ", ".join(foreign[:3]) + (", ..." if len(foreign) > 3 else "")
+        others = sorted(entry.name for entry in self.path.iterdir() if not entry.name.startswith("."))
+        if others and not self.is_run:
+            shown = ", ".join(others[:3]) + (", ..." if len(others) > 3 else "")
             raise BadInputError(f"{self.path}: holds files that are not of a run ({shown}); choose another directory with --out")
+        self.refuse_strange()
+
+    def refuse_strange(self) -> None:
+        """Make sure that nothing in it leads elsewhere. Raises ``BadInputError``."""
+        if what := foreign.strange(self.path, (*OURS, MANIFEST, LOCK, *(self._of_study() if _is_file(self / MANIFEST) else ()))):
+            raise BadInputError(what)
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -106,7 +114,8 @@ class RunDirectory:
         """The same for a file that is written piece by piece; what raises inside leaves the old one."""
         draft = self.draft_of(name)
         try:
-            with draft.open("wb") as file:
+            draft.unlink(missing_ok=True)  # of a run that was killed, or a link of anybody's
+            with draft.open("xb") as file:
                 yield file
                 file.flush()
                 os.fsync(file.fileno())
@@ -136,6 +145,6 @@ def _sync_names(folder: Path) -> None:
         os.close(descriptor)
 
 
-def is_plain(name: Any) -> bool:
-    """Whether it names a file in the run directory itself, and none that is hidden."""
-    return isinstance(name, str) and Path(name).name == name and not name.startswith(".")
+def _is_file(path: Path) -> bool:
+    """Whether a file is there, and not a link to one."""
+    return path.is_file() and not path.is_symlink()

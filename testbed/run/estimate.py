@@ -17,8 +17,8 @@ from testbed.campaign.reading.expand import each_plan, sizes
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.flight.record import Outcome
 from testbed.run import journal, planned
-from testbed.run.processes import environment_of_workers
 from testbed.run.job import Job, JobResult, run_job
+from testbed.run.processes import environment_of_workers
 from testbed.run.storing import SERIES
 from testbed.run.world import world_of
 from testbed.studies.study import Study
@@ -55,7 +55,7 @@ class Counted:
 
 
 def count(campaign: Campaign) -> Counted:
-    """What there is to fly. Plans are made to see, and let go: each one up to ``COUNTED``, of more the first of each cell. Raises ``SpecError``."""
+    """What there is to fly. Up to ``COUNTED`` plans are made to see, and let go; of more, the first of each cell. Raises ``SpecError``."""
     found = sizes(campaign)
     counted = Counted(sum(flights for _, flights in found.values()))
     counted.cells, counted.flights_of = ({name: size[k] for name, size in found.items()} for k in (0, 1))

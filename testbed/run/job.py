@@ -9,6 +9,7 @@ from typing import Any
 
 from testbed.campaign.words.check import Check
 from testbed.campaign.words.settings import FlightPlan
+from testbed.core.utf8 import whole
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.results.columns import FlightMetrics, nothing_measured
 from testbed.run.world import NOTHING_MORE, World
@@ -49,7 +50,6 @@ def run_job(job: Job) -> JobResult:
 def crashed(job: Job, message: str, details: str) -> JobResult:
     """The row of a flight that the program failed to fly."""
     metrics = nothing_measured() | {"outcome": Outcome.CRASHED.value}
-    message, details = (text.encode("utf-8", "backslashreplace").decode() for text in (message, details))  # half a character is no text
     return JobResult(_identity(job.plan) | metrics | _story([], message, details, None), None, {})
 
 
@@ -118,4 +118,4 @@ def _identity(plan: FlightPlan) -> Row:
 
 
 def _story(events: list[dict[str, Any]], message: str, details: str, recording: str | None) -> Row:
-    return {"events": events, "message": message, "traceback": details, "recording": recording}
+    return {"events": events, "message": whole(message), "traceback": whole(details), "recording": recording}

@@ -25,6 +25,7 @@ from testbed.core.frames import Vec3
 from testbed.flight.record import Outcome, ReplanEvent
 from testbed.results.columns import FlightMetrics
 from testbed.results.plain import plain
+from testbed.run import foreign
 from testbed.run.job import JobResult, Row
 from testbed.run.lines import Lines
 
@@ -33,7 +34,7 @@ T = TypeVar("T")
 _ID = re.compile("[0-9a-f]{12}")
 _ROW = re.compile(rb'\{"row":\{"flight_id":"([0-9a-f]{12})",')
 _CRASHED, _NO_SERIES, _TIMINGS = b'"outcome":"crashed"', b'"series":null,"timings":', b'"timings":'  # in text a " has a \ before it
-NOT_A_ROW = (ValueError, KeyError, TypeError, AttributeError)
+NOT_A_ROW = (ValueError, KeyError, TypeError, AttributeError, OverflowError)
 
 SYNC_EVERY_S = 1.0
 """Between two calls of fsync, which takes about 10 ms, as long as several short flights: what a power cut may cost."""
@@ -188,7 +189,8 @@ def encode(result: JobResult) -> bytes:
 
 def decode(line: bytes) -> JobResult:
     """The inverse of ``encode``, apart from tuples, which come back as lists."""
-    data = from_json(line)
+    data = foreign.loads(line)
+    foreign.checked_row(data)
     row: Row = data["row"]
     if "found" in row:
         row["found"] = {name: _numbers(value) for name, value in row["found"].items()}

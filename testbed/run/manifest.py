@@ -71,10 +71,28 @@ def load(directory: RunDirectory) -> Manifest:
     manifest = directory.load(MANIFEST)
     try:
         _ = [manifest[key] for key in (*TOLD_OF_ORIGIN, "history")] + [manifest["identity"][key] for key in IDENTITY_KEYS]
-        _ = manifest["aircraft_path"], manifest[STUDY_FILES]
-    except (TypeError, KeyError):
+        if not _is_sound(manifest):
+            raise TypeError
+    except (TypeError, KeyError, AttributeError):
         raise BadInputError(f"{directory / MANIFEST}: damaged; start again with --fresh, or into another directory with --out") from None
     return manifest
+
+
+def _is_sound(manifest: Manifest) -> bool:
+    """Whether what the run goes by has the types that it writes; what is only told on the page may be anything."""
+    names = manifest["identity"]
+    texts = [item for key in GUESTS for pair in names[key].items() for item in pair] + [*names["versions"], names["plan"], names["code"]]
+    texts += [*manifest["aircraft_path"], *manifest[STUDY_FILES]]
+    legs = manifest["history"]
+    lists = (manifest["aircraft_path"], manifest[STUDY_FILES], manifest["overrides"], legs)
+    tables = (names["versions"], manifest["platform"], manifest["aircraft"], *manifest["aircraft"].values())
+    return (
+        all(isinstance(one, list) for one in lists)
+        and all(isinstance(one, dict) for one in tables)
+        and all(isinstance(leg, dict) for leg in legs)
+        and all(isinstance(text, str) and "\0" not in text for text in texts)
+        and all(name.isidentifier() for name in names["plugins"])
+    )
 
 
 def save(directory: RunDirectory, manifest: Manifest) -> None:

@@ -30,15 +30,15 @@ class Run:
 
         Metres, seconds, degrees: the unit is in the name too. ``docs/results.md`` says what each column is.
         """
-        import pyarrow.parquet as pq
-
         file = self.directory / "results.parquet"
         if not file.is_file():
             raise BadInputError(
                 f"{file}: not there; a run writes it when it ends (testbed report {self.directory.path} writes it of the flights that are "
                 "done), a study of searches has a table of its own instead"
             )
-        table = pq.read_table(file)
+        table = _table(file)
+        if lost := [column.name for column in METRICS if column.name not in table.column_names]:
+            raise BadInputError(f"{file}: not a table of this version of testbed, it has no {lost[0]}")
         frame: pd.DataFrame = table.to_pandas()
         flags = [column.name for column in METRICS if column.kind is Kind.FLAG]
         frame[flags] = frame[flags].astype("boolean")  # true, false or missing, whether a flight of the run has none or not
@@ -76,9 +76,10 @@ class Run:
         return pd.concat(frames, ignore_index=True)
 
     def _series_of(self, flight_id: str, columns: Sequence[str] | None, every_s: float | None) -> "pd.DataFrame":
-        import pyarrow.parquet as pq
-
-        table = pq.read_table(self.directory.columns / f"{flight_id}.parquet")
+        file = self.directory.columns / f"{flight_id}.parquet"
+        table = _table(file)
+        if "time_s" not in table.column_names or b"flight" not in (table.schema.metadata or {}):
+            raise BadInputError(f"{file}: not the columns of a flight")
         if columns is not None:
             table = table.select(_selected(table.column_names, columns))
         if every_s is not None:
@@ -112,6 +113,18 @@ class Run:
 def open_run(path: str | Path) -> Run:
     """A run directory. Raises ``BadInputError`` if there is none."""
     return Run(existing(Path(path)))
+
+
+def _table(file: Path) -> "pa.Table":
+    """A Parquet file of a run, whatever it holds."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        return pq.read_table(file)
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as problem:
+        why = (str(problem).splitlines() or [type(problem).__name__])[0]
+        raise BadInputError(f"{file}: cannot be read as a table ({why}); testbed report writes results.parquet again") from None
 
 
 def _told(schema: "pa.Schema", key: bytes) -> dict[str, str]:

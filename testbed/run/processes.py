@@ -16,10 +16,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from testbed.core import one_thread
 from testbed.run import worker
 from testbed.run.worker import LINE_LOST
-
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 def usable_cores() -> int:
@@ -89,8 +88,8 @@ def processor_s(process: BaseProcess) -> float:
 @contextlib.contextmanager
 def environment_of_workers() -> Iterator[None]:
     """What a process started inside inherits: one thread for linear algebra, and no Ctrl-C (the driver's alone to handle)."""
-    before = {name: os.environ.get(name) for name in _ONE_THREAD}
-    os.environ.update(_ONE_THREAD)
+    before = {name: os.environ.get(name) for name in one_thread.SETTINGS}
+    os.environ.update(one_thread.SETTINGS)
     try:
         with _ctrl_c_blocked():
             yield

@@ -48,5 +48,5 @@ class PlainLines:
             return
         self._last_at, self._last_done = now, done
         note = f", {crashed} crashed" if crashed else ""
-        with suppress(BrokenPipeError):  # nobody reads it any more; the flights go on
+        with suppress(OSError):  # nobody reads it any more, or its disk is full; the flights go on
             print(f"{done} of {counted(total, 'flight')}{note}", file=sys.stderr, flush=True)

@@ -38,6 +38,9 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
     if plan.study.part.flies:
         raise BadInputError(f"{path}: '{plan.flight_id}' is what the study '{plan.study.kind}' flies, and cannot be replayed as one flight")
     recording = (out or directory.recordings / f"{plan.flight_id}.rrd").resolve()
+    if recording.is_dir():
+        raise BadInputError(f"{recording}: a directory; name a file with --out")
+    recording.parent.mkdir(parents=True, exist_ok=True)  # here, where what is wrong with the place can be told
     rows = rows_of(directory)
     places = rows.places(planned.ids[matches])
     with journal_read():

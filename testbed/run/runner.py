@@ -17,7 +17,7 @@ from testbed.run import identity, journal, manifest, storing
 from testbed.run import planned as planned_file
 from testbed.run import world as world_files
 from testbed.run.directory import BadInputError, RunDirectory
-from testbed.run.engines import Died, Engine
+from testbed.run.engines import Died, Engine, limited
 from testbed.run.job import Job, JobResult, crashed, run_job
 from testbed.run.manifest import Manifest
 from testbed.run.planned import Planned, opened
@@ -116,7 +116,8 @@ def _begun(directory: RunDirectory, order: Order, campaign: Campaign) -> Open:
 
     draft = directory.draft_of(PLAN)
     try:
-        with draft.open("wb") as file:
+        draft.unlink(missing_ok=True)
+        with draft.open("xb") as file:
             planned_file.write(file, campaign, each_plan(campaign))
             file.flush()
             os.fsync(file.fileno())
@@ -161,9 +162,9 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, planned: Pla
     manifest.save(directory, about)
     already, bad = len(planned) - len(left), 0
     order.progress(already, len(planned), bad)
-    out = _Out(storing.jobs(directory, campaign, planned, world, left))
+    out, engine = _Out(storing.jobs(directory, campaign, planned, world, left)), limited(order.engine, campaign.limits.wall_limit_s)
     try:
-        with journal.appending(directory / ROWS, rows.end) as rows_file, closing(order.engine.imap(order.job, out)) as results:
+        with journal.appending(directory / ROWS, rows.end) as rows_file, closing(engine.imap(order.job, out)) as results:
             for count, (number, result) in enumerate(results, 1):
                 job = out.back(number)
                 finished = crashed(job, result.reason, result.details) if isinstance(result, Died) else result

@@ -20,6 +20,7 @@ def existing(path: Path) -> RunDirectory:
         raise BadInputError(f"{path}: no such directory")
     if not directory.is_run:
         raise BadInputError(f"{path}: not a run directory (it has no {MANIFEST})")
+    directory.refuse_strange()
     return directory
 
 

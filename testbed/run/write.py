@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 
 from testbed.campaign.words.settings import Campaign, FlightPlan
+from testbed.core.utf8 import utf8
 from testbed.flight.record import Outcome
 from testbed.run import manifest
-from testbed.run.directory import MANIFEST, OURS, BadInputError, RunDirectory, is_plain
+from testbed.run.directory import MANIFEST, OURS, BadInputError, RunDirectory
+from testbed.run.foreign import is_plain
 from testbed.run.job import Row
 from testbed.run.journal import Index, decode, id_of, row_of, timings_of
 from testbed.run.manifest import Manifest, provenance
@@ -66,7 +68,7 @@ def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, 
         from testbed.show.page import render_page
 
         page = render_page(campaign, rows, series, told, checks, made.head)
-    directory.put("index.html", page.encode())
+    directory.put("index.html", utf8(page))
     return Results(checks, dict(counted.outcomes), counted.first_crash)
 
 

@@ -132,3 +132,20 @@ def test_an_aircraft_without_gains_does_not_fly(mine: Path) -> None:
     change(mine, "gains_found_by: testbed tune gtm_t2", "gains_found_by: ''")
     assert complaint().startswith("c.yaml:4:11: aircraft: 'mine' has no gains yet")
     load_campaign("c.yaml", ["plant.kind=kinematic"])
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "why"),
+    [
+        ("Engines/p70.xml", b"", "no element found"),
+        ("Engines/p70.xml", b"<turbine_engine name='x'>", "no element found"),
+        ("Engines/direct.xml", b"</?xml version='1.0'?>\n<direct/>", "not well-formed"),
+        ("Engines/direct.xml", b"\xff\xfe\x00", "unclosed token"),
+    ],
+)
+def test_a_part_of_the_model_that_is_no_xml_is_told_with_its_name(tmp_path: Path, name: str, text: bytes, why: str) -> None:
+    folder = tmp_path / "gtm_t2"
+    shutil.copytree(AIRCRAFT_ROOT / "gtm_t2", folder)
+    (folder / name).write_bytes(text)
+    with pytest.raises(SpecError, match=rf"{Path(name).name} is no XML that can be read: {why}"):
+        read_aircraft(folder)

@@ -11,7 +11,7 @@ from testbed.campaign.reading.document import Document, Fault, faults_of
 from testbed.campaign.reading.nodes import Tree, parse, read_text
 from testbed.campaign.reading.problems import Problem, SpecError, did_you_mean
 from testbed.campaign.words.aircraft import Aircraft, Model
-from testbed.core.model_files import engines, missing_files, model_path, read_xml, wheel_models
+from testbed.core.model_files import engines, missing_files, model_path, read_xml, unreadable, wheel_models
 
 FILE = "aircraft.yaml"
 
@@ -61,7 +61,9 @@ def model_faults(tree: Tree, folder: Path) -> list[Fault]:
         xml = read_xml(file)
     except ParseError as error:
         return [Fault(at, f"{file.name} is no XML that can be read: {error}")]
-    lost = [Fault(at, f"the {part.what} file '{part.name}' that {file.name} names is not there") for part in missing_files(xml, file)]
+    told = [f"the {part.what} file '{part.name}' that {file.name} names is not there" for part in missing_files(xml, file)]
+    bad = unreadable(xml, file)
+    lost = [Fault(at, why) for why in ([bad] if bad else told)]
     if not lost and not engines(xml, file):
         return [Fault(at, f"'{model.name}' has no engine: gliders are not supported, since a campaign holds speed and height")]
     return lost

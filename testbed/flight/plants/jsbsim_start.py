@@ -59,7 +59,7 @@ def load_model(aircraft: Aircraft, plant_hz: int, air_turns: bool = False) -> js
     with changed_root(file, aircraft.model.factors, air_turns) as root:
         fdm.set_aircraft_path(str(root))
         if not _loads(fdm, aircraft.model.name):
-            raise FileNotFoundError(f"JSBSim cannot load '{aircraft.model.name}' ({aircraft.model.files} files)")
+            raise TrimFailedError(f"JSBSim cannot load '{aircraft.model.name}' ({aircraft.model.files} files)")
     return fdm
 
 
@@ -67,7 +67,10 @@ def _loads(fdm: jsbsim.FGFDMExec, name: str) -> bool:
     """Without the files that some models write while they fly."""
     with TemporaryDirectory(prefix="output-") as folder:
         fdm.set_output_path(folder)
-        loaded = bool(fdm.load_model(name))
+        try:
+            loaded = bool(fdm.load_model(name))
+        except RuntimeError as refused:  # what the files say makes no aircraft; that they are there and can be read was seen to before
+            raise TrimFailedError(f"JSBSim cannot load '{name}': {' '.join(str(refused).split())}") from refused
     fdm.disable_output()
     return loaded
 

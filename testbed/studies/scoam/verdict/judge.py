@@ -1,6 +1,5 @@
 """From rows to the verdict. Pure: the rows go in (the aircraft's limits come from the catalogue), a frozen value comes out."""
 
-import math
 from collections.abc import Iterable
 
 from testbed.studies.scoam.verdict.ablation import waterfalls
@@ -17,15 +16,14 @@ from testbed.studies.scoam.verdict.superior import superior
 from testbed.studies.scoam.verdict.tables import air_cells, cases, counted
 
 
-def judge(rows: Iterable[Row], reach: Reach | None = None, answer_ms: float = math.nan) -> Verdict:
+def judge(rows: Iterable[Row], reach: Reach | None = None) -> Verdict:
     """The verdict on the paper's claims. A part that is missing leaves NaN and ``not determined``.
 
     ``reach``: a bound on the pose of the insertion point, from a re-plan and an aircraft's limits; without one the pose is not tested.
-    ``answer_ms``: at most this does an answer of the planner typically take; NaN if that was not measured.
     """
     flights = Flights(rows)
     safe, flyable, several, overload = promises(flights, reach)
-    words = (safe, flyable, several, *comparisons(flights), online(flights, safe, answer_ms), superior(flights), overload)
+    words = (safe, flyable, several, *comparisons(flights), online(flights, safe), superior(flights), overload)
     return Verdict(
         (*words, *numbers(flights)),
         waterfalls(flights),
