@@ -5,7 +5,6 @@ It is the canonical JSON of the campaign and its flights with line ends between 
 
 import atexit
 import hashlib
-import json
 import re
 import shutil
 from array import array
@@ -22,7 +21,7 @@ from pydantic_core import from_json
 from testbed.campaign.words.grid import PART
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.canonical import canonical, cut
-from testbed.run import identity
+from testbed.run import foreign, identity
 from testbed.run.directory import BadInputError
 from testbed.run.journal import number_of
 from testbed.run.lines import Lines
@@ -163,7 +162,7 @@ def _who(line: "re.Match[bytes]") -> dict[str, Any]:
 
 def _laid_out_anew(path: Path) -> Planned:
     """A plan that is written in some other way, by a former version or by hand, in a file of ours that goes with the process."""
-    plan = json.loads(path.read_bytes())
+    plan = foreign.loads(path.read_bytes())
     folder = mkdtemp(prefix="plan-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     ours = Path(folder) / path.name

@@ -188,4 +188,4 @@ def test_parts_together_must_not_be_a_grid_that_nobody_can_mean() -> None:
     parts = {name: {"replicates": 100_000, "sweep": sweep} for name in "ab"}
     with pytest.raises(SpecError) as caught:
         expand(campaign(parts=parts))
-    assert str(caught.value) == "parts: makes 1,200,000 flights; at most 1,000,000"
+    assert str(caught.value) == "parts: makes 1,200,000 flights; at most 1,000,000 (limits.flights sets that)"

@@ -83,6 +83,9 @@ def _too_slow(plan: FlightPlan, curve: ph.Curve | None) -> Iterator[Fault]:
     begin_m = plan.begin.at_route_s_m or 0.0
     length_m = curve.length_m if curve else 0.0 if plan.route.shape is None else getattr(plan.route.shape, "length_m", 0.0)
     planned_s = max(0.0, length_m - begin_m) / fastest
+    longest_s, limit = longest_flight(plan.limits, len(plan.obstacles), plan.rates.plant_hz)
+    if wind and wind.speed_mps < plan.speed_mps and length_m - begin_m <= longest_s * (plan.speed_mps - wind.speed_mps):
+        return  # even against it all the way: most campaigns, and there is no need to look at the route
     if wind and curve and plan.geometry == "as_given" and plan.begin.at_route_s_m is not None:
         air = wind_enu_from_compass(wind.speed_mps, wind.from_deg)
         s = np.linspace(begin_m, curve.length_m, SAMPLES)
@@ -92,7 +95,6 @@ def _too_slow(plan: FlightPlan, curve: ph.Curve | None) -> Iterator[Fault]:
             yield Fault(("air", "wind", "speed_mps"), f"{what}: somewhere on the route the flight would stand still or go backwards")
             return
         planned_s = float(np.trapezoid(1.0 / np.array(speeds), s))
-    longest_s, limit = longest_flight(plan.limits, len(plan.obstacles), plan.rates.plant_hz)
     if planned_s > longest_s:
         words = f"the route takes {planned_s:,.0f} s at {plan.speed_mps:g} m/s" + (" in this wind" if wind else "")
         yield Fault(("route",), f"{words}; a flight may take {longest_s:,.0f} s", f"{limit} sets that")

@@ -8,7 +8,11 @@ from pydantic_core import PydanticCustomError
 
 from testbed.core import options as typed
 from testbed.core import plugins, registry
+from testbed.core.kept import Kept
 from testbed.core.section import Section
+
+_tried: Kept[dict[str, Any]] = Kept(1000)
+"""Options that a part has taken: the thousands of cells of a campaign ask for few."""
 
 
 def _with_names(schema: dict[str, Any], model: "type[Pluggable]") -> None:
@@ -54,7 +58,13 @@ class Pluggable(Section):
         kind = info.data.get("kind")
         if kind is None or (not options and kind == cls.model_fields["kind"].default):  # told already; what is flown unless asked otherwise
             return options
-        what, part = f"{cls.family} '{kind}'", registry.part(cls.family, kind)
+        part = registry.part(cls.family, kind)
+        return dict(_tried.get((cls, kind, part, repr(options)), lambda: cls._used_once(kind, part, options)))
+
+    @classmethod
+    def _used_once(cls, kind: str, part: Any, options: dict[str, Any]) -> dict[str, Any]:
+        """The options as the part takes them. Raises ``ValueError`` where it cannot be used with them."""
+        what = f"{cls.family} '{kind}'"
         try:
             cls._fits(part, options)
         except ValueError as error:
