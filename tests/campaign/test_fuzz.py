@@ -117,7 +117,7 @@ def check(path: Path, overrides: list[str]) -> None:
         assert len({plan.flight_id for plan in plans}) == len(plans) > 0
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=mutated())
 def test_a_mutated_file_loads_or_is_refused(tmp_path: Path, data: bytes) -> None:
     path = tmp_path / "mutated.yaml"
@@ -125,7 +125,7 @@ def test_a_mutated_file_loads_or_is_refused(tmp_path: Path, data: bytes) -> None
     check(path, [])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     file=st.sampled_from(GOOD_FILES),
     overrides=st.lists(

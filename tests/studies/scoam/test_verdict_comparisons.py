@@ -221,7 +221,5 @@ def test_online_needs_an_answer_and_tells_whether_it_comes_in_time():
 def test_no_time_of_the_computer_enters_the_verdict():
     """The same rows with other timings, a thousand times slower, are the same files: what a computer takes is in timings.csv alone."""
     campaign, rows = load_campaign(ROOT / "campaigns" / "paper.yaml"), [one | {"recording": None} for one in calm(2.0, -3.0)]
-    made = [
-        Scoam().write(Run(campaign, [], rows, [{"fly": took, "fly.answer": took}] * len(rows), {}, {})) for took in (0.0009, 0.011, 9.0)
-    ]
-    assert made[0] == made[1] == made[2]
+    made = [Scoam().write(Run(campaign, [], rows, [{"fly": took, "fly.answer": took}] * len(rows), {}, {})) for took in (0.0009, 9.0)]
+    assert made[0] == made[1]
