@@ -31,7 +31,7 @@ def told(answer):
 @pytest.mark.parametrize("kind", range(8))
 def test_the_rough_look_at_many_does_not_change_an_answer(scenes, monkeypatch, kind):
     rng = np.random.default_rng([31, kind])
-    drawn = [scenes.awkward(rng, int(n), kind) for n in rng.choice([2, 5, 14] if kind == 4 else [2, 5, 14, 40], 8)]
+    drawn = [scenes.awkward(rng, n, kind) for n in ([2, 3, 5, 14] if kind == 4 else [2, 3, 5, 14, 40])]
     monkeypatch.setattr(crowd, "FEW", 1)
     rough = [[told(avoid(m, *scene, **options)) for m, options in CASES] for scene in drawn]
     monkeypatch.setattr(crowd, "FEW", 10**9)

@@ -49,10 +49,10 @@ def test_peaks_are_the_best_points_of_the_loop(scenes):
         towards = scenes.sized(rng, 1.0)
         for loop in loops_of(cone_of(own, obstacle), 50.0):
             found = max(np.dot(v, towards) for v in peaks(loop, tuple(towards)))
-            grid = np.linspace(0, 2 * np.pi, 721)
-            value = [np.dot(loop_point(loop, t), towards) for t in grid]
+            grid = np.linspace(0, 2 * np.pi, 361)
+            value = [np.dot(loop_point(loop, t), towards) for t in grid.tolist()]
             t = grid[int(np.argmax(value))]
-            bounds = (t - 0.01, t + 0.01)
+            bounds = (t - 0.02, t + 0.02)
             refined = minimize_scalar(lambda x, c=loop, d=towards: -np.dot(loop_point(c, x), d), bounds=bounds, method="bounded")
             assert found >= max(*value, -refined.fun) - 1e-6
 

@@ -180,7 +180,7 @@ def determined(p0, d0, p1, d1):
     """A tangent against the chord, all on one line, leaves the plane of the turn open: either side is as good, and one is chosen."""
     chord, t0, t1 = unit(p1 - p0), unit(d0), unit(d1)
     across = max(np.linalg.norm(np.cross(chord, t)) for t in (t0, t1))
-    return across > 1e-3 or min(chord @ t0, chord @ t1) > 0.0
+    return across > 1e-6 or min(chord @ t0, chord @ t1) > 0.0
 
 
 @given(data, quaternion, st.sampled_from([1.0, -1.0]), st.floats(0.01, 100.0))
