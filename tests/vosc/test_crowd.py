@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.vosc.draws import percent
 from vosc import Obstacle, Own, crowd
 from vosc.cone import cone_of, is_free, outside
 from vosc.free import zeros
@@ -44,6 +45,7 @@ near_vector = st.tuples(near_number, near_number, near_number)
 
 
 @given(near_vector, st.lists(st.tuples(near_vector, near_vector, st.floats(0.5, 60.0)), min_size=1, max_size=5))
+@percent(40)
 def test_drawn_scenes_too(velocity, drawn):
     own, obstacles = Own((0, 0, 0), velocity), [Obstacle(*o) for o in drawn]
     found = []

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+from tests.vosc.draws import percent
 from vosc import Obstacle, Own, insertion_point
 from vosc.insertion import major_obstacle
 
@@ -34,6 +35,7 @@ vector = st.tuples(number, number, number)
 
 
 @given(vector, vector, vector, vector, st.floats(1.0, 30.0), st.floats(1.0, 2.0))
+@percent(50)
 def test_arrival_is_the_first_root_found_by_scanning(own_pos, own_vel, pos, vel, radius_m, k):
     own, obstacle = Own(own_pos, own_vel), Obstacle(pos, vel, radius_m)
     found = insertion_point(own, obstacle, k)

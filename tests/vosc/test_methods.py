@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.vosc.draws import percent
 from vosc import Obstacle, Own
 from vosc.methods import METHODS, OPTIONS, Choice, avoid
 
@@ -113,7 +114,7 @@ def run_contract(scenes, brute, seed, number, most=6):
 
 
 def test_contract_on_encounters(scenes, brute):
-    seen = run_contract(scenes, brute, 1, 150)
+    seen = run_contract(scenes, brute, 1, 90)
     assert seen["least_deflection"]["unsafe"] == seen["least_deflection"]["undefined"] == 0
     assert all(c["avoided"] > 20 for m, c in seen.items() if m != "none")
 
@@ -127,12 +128,12 @@ def test_contract_on_2000_encounters(scenes, brute):
 
 
 @pytest.mark.slow
-def test_least_deflection_equals_brute_force_on_250_conflicts(scenes, brute):
+def test_least_deflection_equals_brute_force_on_100_conflicts(scenes, brute):
     """Mostly of several obstacles: with one or two the answer is a closed form's."""
     rng = np.random.default_rng(3)
     conflicts = 0
-    while conflicts < 250:
-        own, obstacles = scenes.encounter(rng, int(rng.choice([1, 2, 3, 4, 5, 6, 7])))
+    while conflicts < 100:
+        own, obstacles = scenes.encounter(rng, int(rng.integers(1, 8)))
         answer = avoid("least_deflection", own, obstacles)
         if answer.status == "clear":
             continue
@@ -226,6 +227,7 @@ any_vector = st.one_of(vector, grid_vector)
 
 
 @given(any_vector, st.lists(st.tuples(any_vector, any_vector, st.floats(0.5, 60.0)), max_size=3))
+@percent(50)
 def test_never_nan_never_an_exception(vel, drawn):
     own = Own((0, 0, 0), vel)
     obstacles = [Obstacle(*o) for o in drawn]
