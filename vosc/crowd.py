@@ -45,6 +45,11 @@ class Scene(tuple[Obstacle, ...]):
         return (x, y, z), (u, v, w), r
 
     @cached_property
+    def speeds(self) -> FloatArray:
+        """Sizes of the velocities (n,)."""
+        return length(self.arrays[1])
+
+    @cached_property
     def threats(self) -> "Scene":
         """Those that are not marked as no threat."""
         met = threatening(self)
@@ -85,7 +90,7 @@ class Scene(tuple[Obstacle, ...]):
         rough, velocities = self.rough(pos_m), self.arrays[1]
         w = minus(velocities, vel_mps)  # minus the relative velocity: one subtraction less
         size = length(w)
-        still = (size <= SAME_VELOCITY * (math.hypot(*vel_mps) + length(velocities))) | (rough.distance == 0.0)
+        still = (size <= SAME_VELOCITY * (math.hypot(*vel_mps) + self.speeds)) | (rough.distance == 0.0)
         with np.errstate(all="ignore"):
             w = over(w, size)
             alpha = np.arctan2(length(cross(rough.axis, w)), -dot(rough.axis, w))

@@ -18,7 +18,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from vosc.errors import NotNumbers, WrongOption
-from vosc.vec import FloatArray, Vec, array, dot, norm, sub, three
+from vosc.vec import FloatArray, Vec, array, dot, norm, scale, sub, three, unit
 
 SAME_VELOCITY = 1e-12  # relative speeds below this fraction of the speeds are rounding, not motion
 
@@ -147,7 +147,9 @@ def closest_point(own: Own, obstacle: Obstacle) -> FloatArray:
     """(3,) vector from the obstacle's centre to the own aircraft at closest approach, m, in the obstacle's moving frame."""
     p = sub(obstacle.pos_m, own.pos_m)
     w, speed = relative_velocity(own.vel_mps, obstacle.vel_mps)
-    if speed * speed == 0.0:  # also when the square is lost: no motion worth the name
+    if speed == 0.0:
         return array((-p[0], -p[1], -p[2]))
+    if speed < 1e-100:  # only its direction counts, and its square would be lost
+        w, speed = unit(scale(1e200, w)), 1.0
     k = dot(p, w) / (speed * speed)
     return array((k * w[0] - p[0], k * w[1] - p[1], k * w[2] - p[2]))

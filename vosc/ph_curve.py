@@ -17,12 +17,13 @@ import numpy as np
 
 from vosc.errors import NoCurve, NotNumbers
 from vosc.polynomial import Poly, derivative, difference, extremum_candidates, horner, integral, nearest, product, total
-from vosc.vec import LARGEST, FloatArray, Vec, array, combine, dot, scale
+from vosc.vec import LARGEST, FloatArray, Vec, array, combine, dot, scale, three
 
 TABLE = 32  # intervals of the arc-length table that starts the inversion
 SEARCH = 128  # intervals of the sampling that starts the projection
 SMALLEST_ROOT = 1e-25  # square root of metres: the fourth powers of a shorter curve's coefficients are lost
 CUSP = 1e-12  # a least parameter speed below this fraction of the mean one counts as a cusp: infinite curvature
+STILL = 1e-150  # parameter speed whose square could be lost: no speed, a cusp
 
 Frame = tuple[Vec, Vec, Vec]
 
@@ -41,8 +42,11 @@ class Curve:
     a: tuple[Vec, ...]
 
     def __post_init__(self) -> None:
-        if len(self.a) not in (3, 4) or not all(abs(x) <= LARGEST for p in (self.start_m, self.e, *self.a) for x in p):
-            raise NotNumbers(f"Curve: give three or four coefficients, all numbers finite and below {LARGEST:g} in size, got {self}")
+        if len(self.a) not in (3, 4):
+            raise NotNumbers(f"Curve.a: give three or four coefficients, got {len(self.a)}")
+        object.__setattr__(self, "start_m", three("Curve.start_m", self.start_m))
+        object.__setattr__(self, "e", three("Curve.e", self.e))
+        object.__setattr__(self, "a", tuple(three("Curve.a", p) for p in self.a))
         if not any(abs(x) > SMALLEST_ROOT for p in self.a for x in p):
             raise NoCurve("Curve: all coefficients are zero, or as good as: a curve without length")
 
@@ -208,7 +212,7 @@ class Curve:
             (((((((q7 * t + q6) * t + q5) * t + q4) * t + q3) * t + q2) * t + q1) * t + q0),
             (((((((r7 * t + r6) * t + r5) * t + r4) * t + r3) * t + r2) * t + r1) * t + r0),
         )
-        if not sigma > 0.0:
+        if not sigma > STILL:
             return point, self.e, (0.0, 0.0, 0.0)
         k = 2.0 * w / sigma
         tangent = (k * ax - ex, k * ay - ey, k * az - ez)
@@ -278,7 +282,7 @@ class Curve:
         da = np.stack([horner(derivative(x), t) for x in self._preimage], axis=-1)
         e = np.array(self.e)
         w, dw, sigma, rate = a @ e, da @ e, (a * a).sum(axis=-1), (a * da).sum(axis=-1)
-        moving = sigma > 0.0
+        moving = sigma > STILL
         sigma = np.where(moving, sigma, 1.0)
         tangents = np.where(moving[:, None], (2.0 * w / sigma)[:, None] * a - e, e)
         bends = (2.0 / sigma**2)[:, None] * (w[:, None] * da + (dw - 2.0 * w * rate / sigma)[:, None] * a)

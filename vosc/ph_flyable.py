@@ -18,7 +18,7 @@ import numpy as np
 from vosc.errors import NoDirection, OutOfProportion, SamePoint, WrongOption
 from vosc.ph_batch import Curves, hermite_many
 from vosc.ph_curve import Curve
-from vosc.vec import SMALLEST_M, FloatArray, IntArray, three
+from vosc.vec import LARGEST, SMALLEST_M, FloatArray, IntArray, three
 
 GRAVITY_MPS2 = 9.80665
 SAMPLES = 65
@@ -42,8 +42,8 @@ class Limits:
     max_bank_rate_radps: float = math.inf
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.speed_mps < math.inf:
-            raise WrongOption(f"Limits.speed_mps: give a speed above 0 m/s, got {self.speed_mps}")
+        if not 0.0 < self.speed_mps <= LARGEST:
+            raise WrongOption(f"Limits.speed_mps: give a speed above 0 m/s, {LARGEST:g} at most, got {self.speed_mps}")
         if not (self.max_curvature_per_m > 0.0 and self.max_bank_rate_radps > 0.0):
             raise WrongOption("Limits: give a curvature and a bank rate above 0, or leave them out")
         if not self.min_climb_rad < self.max_climb_rad:

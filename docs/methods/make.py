@@ -7,7 +7,8 @@ so that both are threats).
 Table: status of every method on random encounters with 1 to 6 obstacles, fixed by seed, all with the present velocity inside some cone.
 
 Times: the scenes of ``tests/benchmarks/bench_vosc.py``, process time, every method and RVO2-3D (the package jt-pyrvo23d) on each scene in
-turn, the least of three calls. RVO2-3D decides for every agent of a step, so its time is a step's divided by the agents.
+turn, the least of three calls. RVO2-3D decides for every agent of a step, so its time is a step's divided by the agents (with 1000
+obstacles: of one step, which takes seconds).
 """
 
 import argparse
@@ -19,6 +20,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 
@@ -182,6 +184,7 @@ TIMED = {
     "100 obstacles": ("scoam", "least_deflection", "orca", "planes", "droam_hp"),
     "1000 obstacles": ("scoam", "least_deflection", "orca", "planes", "droam_hp"),
 }
+CROWDED, FEW = 1000, 5  # from so many obstacles on: so many scenes, because a step of RVO2-3D takes seconds
 TIMES_TITLE = "## How long an answer takes"
 
 
@@ -195,10 +198,10 @@ def bench() -> ModuleType:
     return module
 
 
-def least_us(call: Callable[[], object]) -> float:
-    """Least process time of three calls, us."""
+def least_us(call: Callable[[], object], calls: int = 3) -> float:
+    """Least process time of a few calls, us."""
     spent = []
-    for _ in range(3):
+    for _ in range(calls):
         start = time.process_time()
         call()
         spent.append(time.process_time() - start)
@@ -206,14 +209,16 @@ def least_us(call: Callable[[], object]) -> float:
 
 
 def times(number: int) -> str:
-    """The section of times: medians over ``number`` scenes (5 with 1000 obstacles), and multiples of RVO2-3D's."""
-    scenes = bench()
+    """The section of times: medians over ``number`` scenes (fewer of the largest), and multiples of RVO2-3D's."""
+    scenes, few = bench(), min(number, FEW)
     rows = [
         TIMES_TITLE,
         "",
-        f"Written by `make.py --scenes {number}`: process time of `avoid`, us, median over {number} scenes (5 with 1000 obstacles), and",
-        "how many times that of RVO2-3D (C++, one agent's decision, no limit on neighbours), measured on the same scenes in the same run;",
-        f"python {platform.python_version()}, numpy {np.__version__}, {platform.machine()}.",
+        f"Written by `make.py --scenes {number}`: process time of `avoid`, us, "
+        f"median over {number} scenes ({few} with {CROWDED} obstacles),",
+        "and how many times that of RVO2-3D (C++, one agent's decision, no limit on neighbours), "
+        "measured on the same scenes in the same run;",
+        f"jt-pyrvo23d {version('jt-pyrvo23d')}, python {platform.python_version()}, numpy {np.__version__}, {platform.machine()}.",
         "",
         "| scene | RVO2-3D | " + " | ".join(TIMED["10 obstacles"]) + " |",
         "|---|---|" + "---|" * len(TIMED["10 obstacles"]),
@@ -221,9 +226,10 @@ def times(number: int) -> str:
     for name, methods in TIMED.items():
         scene = scenes.SCENES[name]
         spent: dict[str, list[float]] = {m: [] for m in ("rvo", *methods)}
-        for own, obstacles in scenes.draw(scene, 5 if scene.count >= 1000 else number):
+        crowded = scene.count >= CROWDED
+        for own, obstacles in scenes.draw(scene, few if crowded else number):
             step = scenes.rvo_step(own, obstacles)
-            spent["rvo"].append(least_us(step) / (len(obstacles) + 1))
+            spent["rvo"].append(least_us(step, 1 if crowded else 3) / (len(obstacles) + 1))  # of a thousand agents: a mean already
             for m in methods:
                 spent[m].append(least_us(lambda m=m, own=own, obstacles=obstacles: avoid(m, own, obstacles)))  # type: ignore[misc]
         middle = {m: float(np.median(v)) for m, v in spent.items()}

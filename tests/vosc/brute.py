@@ -48,9 +48,12 @@ def least_turn(own, obstacles, rays=360, rings=100, keep=6):
 
     if free(0.0, 0.0):
         return 0.0
-    turns = np.linspace(0, np.pi, 181)
-    first = first_free(turns, np.linspace(0, 2 * np.pi, 180, endpoint=False))
-    if first.min() == len(turns):
+    for steps in (90, 180):  # a coarse look is enough to know how far to look; it does not prove that nothing is free
+        turns = np.linspace(0, np.pi, steps + 1)
+        first = first_free(turns, np.linspace(0, 2 * np.pi, steps, endpoint=False))
+        if first.min() < len(turns):
+            break
+    else:
         return None
     turns, bearings = np.linspace(0, turns[first.min()], rings + 1), np.linspace(0, 2 * np.pi, rays, endpoint=False)
     first = first_free(turns, bearings)

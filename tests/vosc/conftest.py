@@ -5,13 +5,8 @@ import math
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
 
 from vosc import Obstacle, Own
-
-# the same draws every time, however slow the machine
-settings.register_profile("vosc", deadline=None, derandomize=True)
-settings.load_profile("vosc")
 
 READINGS = {"as_printed": (135.0, 12.4), "azimuth_106": (106.0, 12.4), "direction_106_10": (106.1, 10.4)}
 

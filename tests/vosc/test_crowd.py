@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.vosc.draws import percent
 from vosc import Obstacle, Own, crowd
 from vosc.cone import cone_of, is_free, outside
 from vosc.free import zeros
@@ -31,7 +32,7 @@ def told(answer):
 @pytest.mark.parametrize("kind", range(8))
 def test_the_rough_look_at_many_does_not_change_an_answer(scenes, monkeypatch, kind):
     rng = np.random.default_rng([31, kind])
-    drawn = [scenes.awkward(rng, int(n), kind) for n in rng.choice([2, 5, 14] if kind == 4 else [2, 5, 14, 40], 8)]
+    drawn = [scenes.awkward(rng, n, kind) for n in ([2, 3, 5, 14] if kind == 4 else [2, 3, 5, 14, 40])]
     monkeypatch.setattr(crowd, "FEW", 1)
     rough = [[told(avoid(m, *scene, **options)) for m, options in CASES] for scene in drawn]
     monkeypatch.setattr(crowd, "FEW", 10**9)
@@ -44,6 +45,7 @@ near_vector = st.tuples(near_number, near_number, near_number)
 
 
 @given(near_vector, st.lists(st.tuples(near_vector, near_vector, st.floats(0.5, 60.0)), min_size=1, max_size=5))
+@percent(40)
 def test_drawn_scenes_too(velocity, drawn):
     own, obstacles = Own((0, 0, 0), velocity), [Obstacle(*o) for o in drawn]
     found = []

@@ -50,6 +50,7 @@ def test_the_picture_of_the_insertion_pose_is_current_and_says_what_the_table_sa
     assert f"widest curve, {1.0 / widest.max():.1f} m]" in page
 
 
+@pytest.mark.slow
 def test_table_has_every_method_and_a_small_run_agrees_with_it(make):
     text = (PAGES / "rates.md").read_text(encoding="utf-8")
     assert all(f"[{m}]({m}.md)" in text for m in METHODS)

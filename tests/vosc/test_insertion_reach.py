@@ -5,11 +5,12 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from vosc import widest_join
+from tests.vosc.draws import percent
+from vosc import NoCurve, widest_join
 from vosc.helicoid import elliptic, helicoid
 
 START = (162.0, 101.0, 64.3)
@@ -28,7 +29,7 @@ PAPER = {  # insertion point, direction there
 }
 gentle = st.builds(towards, st.floats(-40.0, 40.0), st.floats(-40.0, 40.0))
 ahead = st.builds(lambda d, a, e: d * towards(a, e), st.floats(10.0, 300.0), st.floats(-20.0, 20.0), st.floats(-20.0, 20.0))
-few = settings(max_examples=25, deadline=None)
+few, fewer = percent(25), percent(12)  # a search or three in each
 
 
 def rotation(seed):
@@ -40,33 +41,37 @@ def optimised(offset, t0, t1, pieces, seed, most_turn=math.pi):
     size = np.linalg.norm(offset)
     x = np.linspace(0.0, 1.0, pieces + 1)[1:-1, None]
 
-    def tangents(v):
-        free = v[:-2].reshape(pieces - 1, 3)
-        return np.vstack([t0, free / np.linalg.norm(free, axis=1)[:, None], t1])
+    def tangents(v):  # of many chains (m,n) at once, because the slopes are taken from as many as there are numbers in v
+        free = v[:, :-2].reshape(len(v), pieces - 1, 3)
+        free = free / np.linalg.norm(free, axis=2)[:, :, None]
+        ends = (np.broadcast_to(t, (len(v), 1, 3)) for t in (t0, t1))
+        return np.concatenate([next(ends), free, next(ends)], axis=1)
 
     def end(v):
         t = tangents(v)
-        both = t[1:] + t[:-1]
-        cosine = np.linalg.norm(both, axis=1) / 2
+        both = t[:, 1:] + t[:, :-1]
+        cosine = np.linalg.norm(both, axis=2) / 2
         half = np.arccos(np.minimum(cosine, 1.0))
         chord = np.where(half > 1e-7, np.sin(half) / np.maximum(half, 1e-12), 1.0)
-        return v[-2] * (both * (chord / (2 * cosine))[:, None]).sum(axis=0) - offset / size
+        return v[:, -2:-1] * (both * (chord / (2 * cosine))[:, :, None]).sum(axis=1) - offset / size
 
     def room(v):
         t = tangents(v)
-        sines = np.linalg.norm(t[1:] - t[:-1], axis=1) / 2
-        return np.append((np.sin(np.minimum(v[-1] * v[-2] / 2, 1.5)) - sines) * pieces, most_turn - v[-1] * v[-2] * pieces)
+        sines = np.linalg.norm(t[:, 1:] - t[:, :-1], axis=2) / 2
+        turn = v[:, -1:] * v[:, -2:-1]
+        return np.concatenate([(np.sin(np.minimum(turn / 2, 1.5)) - sines) * pieces, most_turn - turn * pieces], axis=1)
 
-    def differences(f):
-        return lambda v: np.stack([(f(v + row) - f(v)) / 1e-7 for row in 1e-7 * np.eye(len(v))], axis=-1)
+    def rule(kind, f):
+        steps = 1e-7 * np.eye(3 * pieces - 1)
+        return {"type": kind, "fun": lambda v: f(v[None])[0], "jac": lambda v: ((f(v + steps) - f(v[None])) / 1e-7).T}
 
     shape = sum(a * np.sin((j + 1) * math.pi * x) for j, a in enumerate(0.7 * np.random.default_rng(seed).normal(size=(3, 3))))
     first = np.concatenate([(t0 * (1 - x) + t1 * x + shape).ravel(), [1.2 / pieces, 2.0]])
     last = np.zeros(len(first))
     last[-1] = 1.0
-    rules = [{"type": "eq", "fun": end, "jac": differences(end)}, {"type": "ineq", "fun": room, "jac": differences(room)}]
+    rules = [rule("eq", end), rule("ineq", room)]
     found = minimize(lambda v: v[-1], first, jac=lambda _: last, method="SLSQP", constraints=rules, options={"maxiter": 300, "ftol": 1e-11})
-    met = max(np.abs(end(found.x)).max(), -room(found.x).min()) < 1e-6 and found.x[-2] > 0.0
+    met = max(np.abs(end(found.x[None])).max(), -room(found.x[None]).min()) < 1e-6 and found.x[-2] > 0.0
     return size / found.x[-1] if met else 0.0
 
 
@@ -83,10 +88,10 @@ def test_elliptic_integrals_against_mpmath(s, k):
 
 
 @pytest.mark.slow
-@given(st.floats(0.05, 1.5), st.sampled_from([1.0, -1.0]))
+@given(st.floats(0.05, 1.5), st.sampled_from([1.0, -1.0]), st.floats(-2.0, 3.0))
 @few
-def test_helicoidal_arcs_have_curvature_one_and_the_torsion_of_their_equation(beta, hand):
-    s = np.linspace(-2.0, 4.0, 60_001)
+def test_helicoidal_arcs_have_curvature_one_and_the_torsion_of_their_equation(beta, hand, start):
+    s = np.linspace(start, start + 1.0, 10_001)
     step = s[1] - s[0]
     place, tangent, normal = helicoid(np.full(len(s), hand * beta), s)
     np.testing.assert_allclose(np.gradient(place, step, axis=0)[1:-1], tangent[1:-1], atol=1e-5)
@@ -141,7 +146,7 @@ def test_direct_optimisation_of_random_poses_is_never_wider(seed):
 
 @pytest.mark.slow
 @given(st.floats(5.0, 400.0), st.floats(0.05, 1.0), st.sampled_from([1.0, -1.0]), st.integers(0, 99))
-@few
+@fewer
 def test_parallel_directions_in_a_plane(dx, share, side, seed):
     dy = side * share * dx
     turn = rotation(seed)
@@ -151,7 +156,7 @@ def test_parallel_directions_in_a_plane(dx, share, side, seed):
 
 @pytest.mark.slow
 @given(st.floats(0.1, 3.1), st.floats(1.0, 500.0), st.integers(0, 99))
-@few
+@fewer
 def test_where_one_circle_fits_it_is_the_widest_curve(turned, radius, seed):
     turn = rotation(seed)
     end = radius * np.array([math.sin(turned), 1 - math.cos(turned), 0.0])
@@ -162,7 +167,7 @@ def test_where_one_circle_fits_it_is_the_widest_curve(turned, radius, seed):
 
 @pytest.mark.slow
 @given(st.floats(0.1, 1.4), st.floats(0.2, 2.5), st.floats(-1.5, 1.5), st.integers(0, 99))
-@few
+@fewer
 def test_between_the_ends_of_a_helicoidal_arc_is_nothing_narrower(beta, length, s0, seed):
     place, tangent, _ = helicoid(np.full(2, beta), np.array([s0, s0 + length]))
     turn = rotation(seed)
@@ -176,14 +181,13 @@ def test_between_the_ends_of_a_helicoidal_arc_is_nothing_narrower(beta, length, 
 
 @pytest.mark.slow
 @given(ahead, gentle, gentle, st.floats(0.01, 100.0), st.integers(0, 99))
-@few
+@fewer
 def test_scaling_reversal_rotations_and_mirrors(offset, t0, t1, size, seed):
     join = widest_join((0, 0, 0), t0, offset, t1)
     assume(join.kind == "helicoidal")
-    turn = rotation(seed)
-    assert widest_join((0, 0, 0), size * t0, size * offset, t1).radius_m == pytest.approx(size * join.radius_m, rel=1e-5)
+    turn = size * rotation(seed)
+    assert widest_join(START, turn @ t0, START + turn @ offset, turn @ t1).radius_m == pytest.approx(size * join.radius_m, rel=1e-5)
     assert widest_join(offset, -t1, (0, 0, 0), -t0).radius_m == pytest.approx(join.radius_m, rel=1e-5)
-    assert widest_join(START, turn @ t0, START + turn @ offset, turn @ t1).radius_m == pytest.approx(join.radius_m, rel=1e-5)
 
 
 @pytest.mark.slow
@@ -192,7 +196,7 @@ def test_scaling_reversal_rotations_and_mirrors(offset, t0, t1, size, seed):
     gentle,
     st.builds(towards, st.floats(-180.0, 180.0), st.floats(-90.0, 90.0)),
 )
-@few
+@fewer
 def test_the_curve_meets_both_poses_and_bends_as_little_as_it_says(offset, t0, t1):
     offset = 88.0 * offset
     join = widest_join(START, t0, START + offset, t1)
@@ -220,19 +224,22 @@ def test_straight_ahead_is_a_straight_line():
     np.testing.assert_allclose(join.points(3), [(0, 0, 0), (5, 0, 0), (10, 0, 0)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("end", "there"), [((-10, 0, 0), (1, 0, 0)), ((-10, 0, 0), (-1, 0, 0)), ((10, 0, 0), (-1, 0, 0))])
 def test_on_the_line_of_the_start_no_two_arcs_turn_round(end, there):
     join = widest_join((0, 0, 0), (1, 0, 0), end, there)
     assert (join.kind, join.radius_m) == ("none", 0.0)
-    with pytest.raises(ValueError, match="no curve"):
+    with pytest.raises(NoCurve, match="no curve"):
         join.points()
 
 
+@pytest.mark.slow
 def test_half_a_circle():
     join = widest_join((0, 0, 0), (1, 0, 0), (0, 10, 0), (-1, 0, 0))
     assert (join.radius_m, join.turn_rad) == (pytest.approx(5.0), pytest.approx(math.pi))
 
 
+@pytest.mark.slow
 def test_behind_and_abreast_is_what_two_half_circles_reach():
     join = widest_join((0, 0, 0), (1, 0, 0), (-10, 3, 0), (1, 0, 0))
     assert join.kind == "arc_line_arc"

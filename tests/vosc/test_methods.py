@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.vosc.draws import percent
 from vosc import Obstacle, Own
 from vosc.methods import METHODS, OPTIONS, Choice, avoid
 
@@ -98,11 +99,14 @@ def contract(own, obstacles, brute, answer, least_rad):
     return answer.status
 
 
-def run_contract(scenes, brute, seed, number):
+def run_contract(scenes, brute, seed, number, most=6):
+    """Of ``number`` encounters those that are conflicts: of the others there is little to say."""
     rng = np.random.default_rng(seed)
     seen = {m: Counter() for m in METHODS}
-    for _ in range(number):
-        own, obstacles = scenes.encounter(rng, int(rng.integers(1, 7)))
+    for k in range(number):
+        own, obstacles = scenes.encounter(rng, int(rng.integers(1, most + 1)))
+        if k % 10 and avoid("none", own, obstacles).status == "clear":
+            continue
         answers = {method: avoid(method, own, obstacles) for method in METHODS}
         for method, answer in answers.items():
             seen[method][contract(own, obstacles, brute, answer, answers["least_deflection"].deflection_rad)] += 1
@@ -110,25 +114,26 @@ def run_contract(scenes, brute, seed, number):
 
 
 def test_contract_on_encounters(scenes, brute):
-    seen = run_contract(scenes, brute, 1, 150)
+    seen = run_contract(scenes, brute, 1, 90)
     assert seen["least_deflection"]["unsafe"] == seen["least_deflection"]["undefined"] == 0
     assert all(c["avoided"] > 20 for m, c in seen.items() if m != "none")
 
 
 @pytest.mark.slow
-def test_contract_on_10000_encounters(scenes, brute):
-    seen = run_contract(scenes, brute, 2, 10_000)
+def test_contract_on_2000_encounters(scenes, brute):
+    seen = run_contract(scenes, brute, 2, 2_000, most=8)
     for method in ("least_deflection", "planes", "random_planes", "droam_hp", "droam_vp"):
         assert seen[method]["unsafe"] == 0, method
-    assert seen["none"]["unsafe"] > 5000
+    assert seen["none"]["unsafe"] > 1200
 
 
 @pytest.mark.slow
-def test_least_deflection_equals_brute_force_on_1000_encounters(scenes, brute):
+def test_least_deflection_equals_brute_force_on_100_conflicts(scenes, brute):
+    """Mostly of several obstacles: with one or two the answer is a closed form's."""
     rng = np.random.default_rng(3)
     conflicts = 0
-    while conflicts < 1000:
-        own, obstacles = scenes.encounter(rng, int(rng.integers(1, 6)))
+    while conflicts < 100:
+        own, obstacles = scenes.encounter(rng, int(rng.integers(1, 8)))
         answer = avoid("least_deflection", own, obstacles)
         if answer.status == "clear":
             continue
@@ -143,8 +148,8 @@ def test_least_deflection_equals_brute_force_on_1000_encounters(scenes, brute):
 
 def test_least_deflection_equals_brute_force_on_a_few(scenes, brute):
     rng = np.random.default_rng(4)
-    for _ in range(25):
-        own, obstacles = scenes.encounter(rng, int(rng.integers(1, 6)))
+    for _ in range(12):
+        own, obstacles = scenes.encounter(rng, int(rng.integers(2, 6)))
         answer = avoid("least_deflection", own, obstacles)
         assert answer.deflection_rad == pytest.approx(brute.least_turn(own, obstacles), abs=1e-6)
 
@@ -158,7 +163,7 @@ def fibonacci_sphere(n):
 def test_no_free_direction_is_confirmed_by_dense_sampling(brute):
     rng, found = np.random.default_rng(5), 0
     sphere = 20.0 * fibonacci_sphere(20_000)
-    for _ in range(300):
+    for _ in range(120):
         own = Own((0, 0, 0), 20.0 * fibonacci_sphere(7)[int(rng.integers(7))])
         around = 25.0 * fibonacci_sphere(int(rng.integers(1, 9)))
         obstacles = [Obstacle(v, -v * rng.uniform(0.5, 2.0), rng.uniform(10.0, 24.0)) for v in around]
@@ -222,6 +227,7 @@ any_vector = st.one_of(vector, grid_vector)
 
 
 @given(any_vector, st.lists(st.tuples(any_vector, any_vector, st.floats(0.5, 60.0)), max_size=3))
+@percent(50)
 def test_never_nan_never_an_exception(vel, drawn):
     own = Own((0, 0, 0), vel)
     obstacles = [Obstacle(*o) for o in drawn]

@@ -44,7 +44,7 @@ def nearest_on_the_cone(own, obstacle, horizon_s, n=400):
 
 def test_half_space_is_the_nearest_way_out(scenes):
     rng = np.random.default_rng(21)
-    for k in range(8):
+    for k in range(6):
         own, (obstacle,) = scenes.encounter(rng, 1)
         horizon_s = (4.0, 1e6)[k % 2]
         near, w = nearest_on_the_cone(own, obstacle, horizon_s)
@@ -87,9 +87,19 @@ def test_programme_against_a_general_optimiser():
         wanted = rng.normal(size=3)
         spaces = [type("H", (), {"normal": tuple(n), "offset": float(o)})() for n, o in zip(normals, offsets, strict=True)]
         mine = nearest_in_ball(spaces, tuple(wanted), 1.0)
-        bounds = [{"type": "ineq", "fun": lambda v, n=n, o=o: n @ v - o} for n, o in zip(normals, offsets, strict=True)]
-        bounds.append({"type": "ineq", "fun": lambda v: 1.0 - v @ v})
-        theirs = minimize(lambda v, g=wanted: (v - g) @ (v - g), np.zeros(3), constraints=bounds, method="SLSQP", options={"ftol": 1e-14})
+        bounds = {
+            "type": "ineq",
+            "fun": lambda v, n=normals, o=offsets: np.append(n @ v - o, 1.0 - v @ v),
+            "jac": lambda v, n=normals: np.vstack([n, -2.0 * v]),
+        }
+        theirs = minimize(
+            lambda v, g=wanted: (v - g) @ (v - g),
+            np.zeros(3),
+            jac=lambda v, g=wanted: 2.0 * (v - g),
+            constraints=bounds,
+            method="SLSQP",
+            options={"ftol": 1e-14},
+        )
         if theirs.success:
             solved += 1
             assert mine is not None

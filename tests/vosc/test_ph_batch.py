@@ -147,6 +147,7 @@ def test_the_limit_that_cannot_be_met_is_named(limits, missed):
     assert found.curve is not None
 
 
+@pytest.mark.slow
 def test_limits_that_exclude_each_other_are_said_to():
     """A climbing turn: the least climb wants short end derivatives, the least curvature longer ones."""
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
+from tests.vosc.draws import percent
 from vosc import ph
 
 CHORD = math.dist((0, 0, 0), (500, 200, 100))
@@ -54,10 +54,19 @@ def bernstein(curve):
     axis, b = np.array([0.0, *curve.e]), np.array(curve.a)
 
     def velocity(t):
-        a = np.array([0.0, *(b[0] * (1 - t) ** 2 + 2 * b[1] * t * (1 - t) + b[2] * t * t)])
-        return times(times(a, axis), a * (1, -1, -1, -1))[1:]
+        """Of one parameter (3,), of many (3,n)."""
+        t = np.asarray(t)
+        pure = np.multiply.outer(b[0], (1 - t) ** 2) + np.multiply.outer(b[1], 2 * t * (1 - t)) + np.multiply.outer(b[2], t * t)
+        zero = np.zeros_like(pure[:1])
+        return times(times(np.concatenate([zero, pure]), axis), np.concatenate([zero, -pure]))[1:]
 
     return velocity
+
+
+def way(velocity, t):
+    """Integral of the speed from 0 to t; the speed is a polynomial of degree 4, so 12 Gauss points are exact."""
+    x, weights = np.polynomial.legendre.leggauss(12)
+    return 0.5 * t * weights @ np.linalg.norm(velocity(0.5 * t * (x + 1)), axis=0)
 
 
 def test_original_path_of_the_design():
@@ -72,6 +81,7 @@ def test_original_path_of_the_design():
 
 
 @given(data)
+@percent(30)
 def test_ends_are_met(drawn):
     curve, p0, d0, p1, d1 = curve_of(drawn)
     size = np.linalg.norm(p1 - p0)
@@ -85,11 +95,11 @@ def test_ends_are_met(drawn):
 
 
 @given(data)
+@percent(30)
 def test_length_is_the_integral_of_the_speed(drawn):
     curve, *_ = curve_of(drawn)
     velocity = bernstein(curve)
-    whole = sum(quad(lambda t: np.linalg.norm(velocity(t)), a, a + 0.25, epsabs=0, epsrel=1e-12)[0] for a in (0.0, 0.25, 0.5, 0.75))
-    assert curve.length_m == pytest.approx(whole, rel=1e-9)
+    assert curve.length_m == pytest.approx(way(velocity, 1.0), rel=1e-12)
 
 
 def test_length_and_point_to_thirty_digits():
@@ -110,15 +120,16 @@ def test_length_and_point_to_thirty_digits():
 
 
 @given(data, st.floats(0.02, 0.98))
+@percent(30)
 def test_parameter_of_arc_length_and_back(drawn, share):
     curve, *_ = curve_of(drawn)
     velocity = bernstein(curve)
     t = curve.parameter(share * curve.length_m)
-    arc = quad(lambda u: np.linalg.norm(velocity(u)), 0.0, t, epsabs=0, epsrel=1e-12, limit=200)[0]
-    assert arc == pytest.approx(share * curve.length_m, abs=1e-9 * curve.length_m)
+    assert way(velocity, t) == pytest.approx(share * curve.length_m, abs=1e-9 * curve.length_m)
 
 
 @given(data, st.floats(0.02, 0.98))
+@percent(30)
 def test_tangent_and_curvature_are_the_derivatives_of_the_point(drawn, share):
     curve, *_ = curve_of(drawn)
     assume(curve.min_speed > 0.05)
@@ -138,6 +149,7 @@ def test_tangent_and_curvature_are_the_derivatives_of_the_point(drawn, share):
 
 
 @given(data)
+@percent(30)
 def test_sampled_equals_scalar(drawn):
     curve, *_ = curve_of(drawn)
     assume(curve.min_speed > 0.01)
@@ -151,6 +163,7 @@ def test_sampled_equals_scalar(drawn):
 
 
 @given(data)
+@percent(30)
 def test_extremes_bound_the_samples_and_are_reached(drawn):
     curve, *_ = curve_of(drawn)
     assume(curve.min_speed > 0.02)
@@ -180,10 +193,11 @@ def determined(p0, d0, p1, d1):
     """A tangent against the chord, all on one line, leaves the plane of the turn open: either side is as good, and one is chosen."""
     chord, t0, t1 = unit(p1 - p0), unit(d0), unit(d1)
     across = max(np.linalg.norm(np.cross(chord, t)) for t in (t0, t1))
-    return across > 1e-3 or min(chord @ t0, chord @ t1) > 0.0
+    return across > 1e-6 or min(chord @ t0, chord @ t1) > 0.0
 
 
 @given(data, quaternion, st.sampled_from([1.0, -1.0]), st.floats(0.01, 100.0))
+@percent(30)
 def test_turns_mirrors_and_scales_with_the_data(drawn, q, handed, unit_of_length):
     curve, p0, d0, p1, d1 = curve_of(drawn)
     assume(curve.min_speed > 0.01 and determined(p0, d0, p1, d1))
@@ -196,6 +210,7 @@ def test_turns_mirrors_and_scales_with_the_data(drawn, q, handed, unit_of_length
 
 
 @given(data)
+@percent(30)
 def test_reverses_with_the_data(drawn):
     curve, p0, d0, p1, d1 = curve_of(drawn)
     assume(curve.min_speed > 0.01 and determined(p0, d0, p1, d1))
@@ -206,6 +221,7 @@ def test_reverses_with_the_data(drawn):
 
 
 @given(data)
+@percent(30)
 def test_planar_data_stay_planar(drawn):
     t0, chord, t1, lam0, lam1 = drawn
     t0, chord, t1 = (np.array([v[0], v[1], 0.0]) for v in (t0, chord, t1))
@@ -242,7 +258,8 @@ def test_order_of_convergence_is_four():
     assert slope == pytest.approx(4.0, abs=0.15)
 
 
-@given(data, st.lists(vector, min_size=1, max_size=6))
+@given(data, st.lists(vector, min_size=1, max_size=3))
+@percent(30)
 def test_nearest_is_the_nearest_of_many(drawn, offsets):
     curve, p0, *_ = curve_of(drawn)
     assume(curve.min_speed > 0.02)
@@ -302,6 +319,7 @@ def test_u_turn_goes_to_the_side_of_its_end():
 
 
 @given(st.sampled_from([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.6, 0, -0.8)]), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
+@percent(30)
 def test_reversed_data_behave(direction, ahead, beside):
     assume(abs(ahead) + abs(beside) > 0.01)
     x = np.array(direction, float)

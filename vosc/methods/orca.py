@@ -176,7 +176,7 @@ def rough_half_spaces(own: Own, scene: Scene, responsibility: float, horizon_s: 
         cut = (ahead < 0.0) & (ahead * ahead > r * r * size * size)
         distance2, b, v2 = distance * distance, columns.dot(p, v), columns.dot(v, v)
         tangent2 = distance2 - r * r
-        across = columns.cross(p, v)
+        across, size_v = columns.cross(p, v), np.sqrt(v2)
         under = b * b - distance2 * (v2 - columns.dot(across, across) / tangent2)
         t = (b + np.sqrt(np.maximum(under, 0.0))) / distance2
         off = columns.along(v, -t, p)
@@ -185,13 +185,13 @@ def rough_half_spaces(own: Own, scene: Scene, responsibility: float, horizon_s: 
         reach = np.where(cut, r * rate - size, r * t - far)
         u0, u1, u2 = own.vel_mps
         offsets = n0 * u0 + n1 * u1 + n2 * u2 + responsibility * reach
-        known = (size > SURE * (columns.length(v) + rate * distance)) & np.where(
+        known = (size > SURE * (size_v + rate * distance)) & np.where(
             cut,
             True,
-            (tangent2 > SURE * distance2) & (under > SURE * b * b) & (far > SURE * (np.sqrt(v2) + np.abs(t) * distance)),
+            (tangent2 > SURE * distance2) & (under > SURE * b * b) & (far > SURE * (size_v + np.abs(t) * distance)),
         )
         known &= np.abs(sine - r / distance) > SURE
-        known &= np.sqrt(v2) > SURE * (norm(own.vel_mps) + columns.length(velocities))
-        known &= np.sqrt(v2) < norm(own.vel_mps) / SURE
+        speed = norm(own.vel_mps)
+        known &= (size_v > SURE * (speed + scene.speeds)) & (size_v < speed / SURE)  # also where the squares in v2 are lost: 0
     offsets[~known] = math.nan
     return (n0, n1, n2), offsets
