@@ -1,11 +1,18 @@
 """The JSON Schema of a campaign, which gives an editor completion, descriptions and red underlines."""
 
+import ast
+import inspect
 import json
+import textwrap
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
+
+from pydantic import BaseModel
 
 from testbed.campaign.reading.vocabulary import OF_THE_CAMPAIGN, keys
 from testbed.campaign.words.settings import Campaign, FlightSettings
+from testbed.core.section import Section
 
 Json = dict[str, Any]
 
@@ -24,6 +31,7 @@ def schema() -> str:
     Names of methods and aircraft are not in it: a new one would change it, and `testbed list` shows them.
     """
     document = Campaign.model_json_schema()
+    _describe(document)
     paths = dict(_paths(document))
     document["$defs"]["Settings"] = {"description": "Dotted paths and the values they get.", **_by_path(paths, dict)}
     document["$defs"]["NamedAxis"] = {
@@ -43,6 +51,36 @@ def schema() -> str:
     kind = document["$defs"]["StudySpec"]["properties"]["kind"]["anyOf"]
     own["study"] = {key: part for key, part in own["study"].items() if key != "$ref"} | {"anyOf": [{"$ref": own["study"]["$ref"]}, *kind]}
     return json.dumps({"$schema": "http://json-schema.org/draft-07/schema#", **_draft7(document)}, indent=2) + "\n"
+
+
+def _describe(document: Json) -> None:
+    """Give each setting the text that stands under its field in the code."""
+    for section in _sections(Section):
+        there = document if section is Campaign else document["$defs"].get(section.__name__, {})
+        texts = {
+            name: text
+            for base in reversed(section.__mro__)
+            if issubclass(base, Section)
+            for name, text in _texts_under_fields(base).items()
+        }
+        for name, told in there.get("properties", {}).items():
+            if name in texts and "description" not in told:
+                there["properties"][name] = dict(sorted({**told, "description": texts[name]}.items()))
+
+
+def _sections(of: type[BaseModel]) -> list[type[BaseModel]]:
+    return [each for child in of.__subclasses__() for each in (child, *_sections(child))]
+
+
+def _texts_under_fields(section: type[BaseModel]) -> dict[str, str]:
+    (described,) = ast.parse(textwrap.dedent(inspect.getsource(section))).body
+    assert isinstance(described, ast.ClassDef)
+    texts = {}
+    for field, text in pairwise(described.body):
+        match field, text:
+            case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(said))):
+                texts[name] = inspect.cleandoc(said)
+    return texts
 
 
 def _by_path(paths: Json, told: Callable[[Json], Json]) -> Json:
