@@ -67,6 +67,13 @@ SEED := 1
 kills: $(STAMP) ## kill 100 drivers, 50 workers and 20 Dask schedulers, continue, and compare bytes (SEED=1); half an hour
 	$(BIN)/python -m tests.kills.kills --drivers 100 --workers 50 --schedulers 20 --seed $(SEED)
 
+# What draws the changes and what measures the lines are not in the lock: only this needs them.
+MUTANTS ?= 210
+mutants: $(STAMP) ## change 210 places of the code one by one; do the tests notice? reports/runs/mutants.csv; an hour
+	test -x $(VENV)/mutants/bin/cosmic-ray || { $(PYTHON) -m venv $(VENV)/mutants; $(VENV)/mutants/bin/python -m pip install --quiet cosmic-ray; }
+	$(PIP) install --quiet --no-deps coverage
+	$(VENV)/mutants/bin/python tests/mutants/run.py --python $(abspath $(BIN)/python) --count $(MUTANTS)
+
 wheel: $(STAMP) ## build the wheel into dist/
 	$(BIN)/python -m hatchling build -t wheel
 
