@@ -1,8 +1,8 @@
 """Do the tests notice a fault? Changes one place of the code at a time and runs the tests that pass through it: ``make mutants``.
 
 A *mutant* is the project with one operator, number or word changed. Killed: some test fails or hangs. Survived: none does, so
-either the change does not matter or a test is missing. Which tests pass through which line is measured once, by coverage.py;
-the changes are those of cosmic-ray. The mutants are drawn from the seed, a share from each wing of the house; the same seed
+either the change does not matter or a test is missing. Each wing is judged by the tests of its own folder; which of them pass
+through which line is measured once, by coverage.py; the changes are those of cosmic-ray. The mutants are drawn from the seed, a share from each wing of the house; the same seed
 draws the same from the same code. Each is tried in a copy of the project, so nothing here is touched.
 """
 
@@ -119,7 +119,8 @@ def _passing_through(asked: argparse.Namespace, scratch: Path) -> Passing:
         "no:cacheprovider",
         "--durations=0",
     ]
-    done = subprocess.run([*command, "-m", "not browser and not viewer"], cwd=ROOT, capture_output=True, text=True, check=False)
+    folders = [f"tests/{wing.removeprefix('testbed/')}" for wing in WINGS]
+    done = subprocess.run([*command, *folders, "-m", "not browser and not viewer"], cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode:
         raise SystemExit(f"the tests fail before anything is changed:\n{done.stdout[-3000:]}")
     passes = _read_contexts(data, _durations(done.stdout))
