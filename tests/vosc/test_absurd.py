@@ -20,6 +20,7 @@ from vosc import (
     SamePoint,
     WrongAnswer,
     WrongOption,
+    cap,
     ph,
     widest_join,
 )
@@ -146,3 +147,11 @@ def test_a_speed_whose_square_has_no_room_is_refused():
     with pytest.raises(WrongOption, match="speed"):
         ph.Limits(1.7e308)
     assert ph.flyable((0, 0, 0), (1, 0, 0), (90, 40, 9), (1, 0, 0), ph.Limits(1e30), grid=3).curve is not None
+
+
+@pytest.mark.parametrize("speed", [0.0, 5e-324, 1e-170])
+def test_at_rest_there_is_no_cap_however_slow_the_obstacle(speed):
+    """The circle's half-angle is a length over the own speed."""
+    own, slow = Own((0, 0, 0), (speed, 0, 0)), Obstacle((-50, 300, -690), (5e-324, -1e-310, -5e-324), 27)
+    assert cap(own, slow) is None
+    assert avoid("scoam", own, [slow]).velocity_mps.tolist() == [speed, 0.0, 0.0]
