@@ -30,7 +30,7 @@ from vosc.methods import METHODS, avoid
 EVERYTHING = {"Curve.frame", "hermite_many", "closest_point", *(f"avoid {m} " for m in METHODS)}
 
 
-@pytest.mark.parametrize("block", range(3))
+@pytest.mark.parametrize("block", range(2))
 def test_everything_answers_or_refuses_by_name(block):
     """Scenes without the two long searches."""
     log = absurd.Log()
@@ -45,7 +45,7 @@ def test_everything_answers_or_refuses_by_name(block):
 @pytest.mark.slow
 def test_the_long_searches_answer_or_refuse_by_name():
     log = absurd.Log()
-    for number in range(0, 64, 4):
+    for number in range(0, 48, 4):
         absurd.scene(log, 2_000_000 + number)
     assert not log.failures, str(log)
     assert log.answers.keys() >= EVERYTHING | {"flyable", "widest_join", "Join.frames"}
