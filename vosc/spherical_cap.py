@@ -90,7 +90,7 @@ def critical_velocity(own: Own, obstacle: Obstacle, generatrix: Vec) -> Vec | No
     # |v_o|^2 - b^2, the squared distance of the generatrix from the sphere's centre; as a cross product it keeps its digits
     off = cross(vo, generatrix)
     under_root = speed2 - dot(off, off)
-    if under_root < 0.0:
+    if under_root < 0.0 or speed2 == 0.0:  # at rest, or so slow that the square is lost: no direction to fly
         return None
     lam = math.sqrt(under_root) - b
     if lam <= TOUCHES * math.sqrt(speed2):

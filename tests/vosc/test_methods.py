@@ -114,26 +114,26 @@ def run_contract(scenes, brute, seed, number, most=6):
 
 
 def test_contract_on_encounters(scenes, brute):
-    seen = run_contract(scenes, brute, 1, 90)
+    seen = run_contract(scenes, brute, 1, 60)
     assert seen["least_deflection"]["unsafe"] == seen["least_deflection"]["undefined"] == 0
-    assert all(c["avoided"] > 20 for m, c in seen.items() if m != "none")
+    assert all(c["avoided"] > 12 for m, c in seen.items() if m != "none")
 
 
 @pytest.mark.slow
-def test_contract_on_2000_encounters(scenes, brute):
-    seen = run_contract(scenes, brute, 2, 2_000, most=8)
+def test_contract_on_800_encounters(scenes, brute):
+    seen = run_contract(scenes, brute, 2, 800, most=8)
     for method in ("least_deflection", "planes", "random_planes", "droam_hp", "droam_vp"):
         assert seen[method]["unsafe"] == 0, method
-    assert seen["none"]["unsafe"] > 1200
+    assert seen["none"]["unsafe"] > 480
 
 
 @pytest.mark.slow
-def test_least_deflection_equals_brute_force_on_100_conflicts(scenes, brute):
+def test_least_deflection_equals_brute_force_on_50_conflicts(scenes, brute):
     """Mostly of several obstacles: with one or two the answer is a closed form's."""
     rng = np.random.default_rng(3)
     conflicts = 0
-    while conflicts < 100:
-        own, obstacles = scenes.encounter(rng, int(rng.integers(1, 8)))
+    while conflicts < 50:
+        own, obstacles = scenes.encounter(rng, int(rng.integers(2, 8)))
         answer = avoid("least_deflection", own, obstacles)
         if answer.status == "clear":
             continue
@@ -148,7 +148,7 @@ def test_least_deflection_equals_brute_force_on_100_conflicts(scenes, brute):
 
 def test_least_deflection_equals_brute_force_on_a_few(scenes, brute):
     rng = np.random.default_rng(4)
-    for _ in range(12):
+    for _ in range(8):
         own, obstacles = scenes.encounter(rng, int(rng.integers(2, 6)))
         answer = avoid("least_deflection", own, obstacles)
         assert answer.deflection_rad == pytest.approx(brute.least_turn(own, obstacles), abs=1e-6)

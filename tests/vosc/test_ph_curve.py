@@ -81,7 +81,7 @@ def test_original_path_of_the_design():
 
 
 @given(data)
-@percent(30)
+@percent(20)
 def test_ends_are_met(drawn):
     curve, p0, d0, p1, d1 = curve_of(drawn)
     size = np.linalg.norm(p1 - p0)
@@ -95,7 +95,7 @@ def test_ends_are_met(drawn):
 
 
 @given(data)
-@percent(30)
+@percent(20)
 def test_length_is_the_integral_of_the_speed(drawn):
     curve, *_ = curve_of(drawn)
     velocity = bernstein(curve)
@@ -120,7 +120,7 @@ def test_length_and_point_to_thirty_digits():
 
 
 @given(data, st.floats(0.02, 0.98))
-@percent(30)
+@percent(20)
 def test_parameter_of_arc_length_and_back(drawn, share):
     curve, *_ = curve_of(drawn)
     velocity = bernstein(curve)
@@ -129,7 +129,7 @@ def test_parameter_of_arc_length_and_back(drawn, share):
 
 
 @given(data, st.floats(0.02, 0.98))
-@percent(30)
+@percent(20)
 def test_tangent_and_curvature_are_the_derivatives_of_the_point(drawn, share):
     curve, *_ = curve_of(drawn)
     assume(curve.min_speed > 0.05)
@@ -149,7 +149,7 @@ def test_tangent_and_curvature_are_the_derivatives_of_the_point(drawn, share):
 
 
 @given(data)
-@percent(30)
+@percent(20)
 def test_sampled_equals_scalar(drawn):
     curve, *_ = curve_of(drawn)
     assume(curve.min_speed > 0.01)
@@ -163,7 +163,7 @@ def test_sampled_equals_scalar(drawn):
 
 
 @given(data)
-@percent(30)
+@percent(20)
 def test_extremes_bound_the_samples_and_are_reached(drawn):
     curve, *_ = curve_of(drawn)
     assume(curve.min_speed > 0.02)
@@ -197,7 +197,7 @@ def determined(p0, d0, p1, d1):
 
 
 @given(data, quaternion, st.sampled_from([1.0, -1.0]), st.floats(0.01, 100.0))
-@percent(30)
+@percent(20)
 def test_turns_mirrors_and_scales_with_the_data(drawn, q, handed, unit_of_length):
     curve, p0, d0, p1, d1 = curve_of(drawn)
     assume(curve.min_speed > 0.01 and determined(p0, d0, p1, d1))
@@ -210,7 +210,7 @@ def test_turns_mirrors_and_scales_with_the_data(drawn, q, handed, unit_of_length
 
 
 @given(data)
-@percent(30)
+@percent(20)
 def test_reverses_with_the_data(drawn):
     curve, p0, d0, p1, d1 = curve_of(drawn)
     assume(curve.min_speed > 0.01 and determined(p0, d0, p1, d1))
@@ -221,7 +221,7 @@ def test_reverses_with_the_data(drawn):
 
 
 @given(data)
-@percent(30)
+@percent(20)
 def test_planar_data_stay_planar(drawn):
     t0, chord, t1, lam0, lam1 = drawn
     t0, chord, t1 = (np.array([v[0], v[1], 0.0]) for v in (t0, chord, t1))
@@ -259,7 +259,7 @@ def test_order_of_convergence_is_four():
 
 
 @given(data, st.lists(vector, min_size=1, max_size=3))
-@percent(30)
+@percent(20)
 def test_nearest_is_the_nearest_of_many(drawn, offsets):
     curve, p0, *_ = curve_of(drawn)
     assume(curve.min_speed > 0.02)
@@ -319,7 +319,7 @@ def test_u_turn_goes_to_the_side_of_its_end():
 
 
 @given(st.sampled_from([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.6, 0, -0.8)]), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
-@percent(30)
+@percent(20)
 def test_reversed_data_behave(direction, ahead, beside):
     assume(abs(ahead) + abs(beside) > 0.01)
     x = np.array(direction, float)
