@@ -2,7 +2,8 @@
 
 A *mutant* is the project with one operator, number or word changed. Killed: some test fails or hangs. Survived: none does, so
 either the change does not matter or a test is missing. Each wing is judged by the tests of its own folder; which of them pass
-through which line is measured once, by coverage.py; the changes are those of cosmic-ray. The mutants are drawn from the seed, a share from each wing of the house; the same seed
+through which line is measured once, by coverage.py; the changes are those of cosmic-ray. The mutants are drawn from the seed, a
+share from each wing of the house; the same seed
 draws the same from the same code. Each is tried in a copy of the project, so nothing here is touched.
 """
 

@@ -18,6 +18,7 @@ may change; no -0. A test keeps them away from ties.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 from testbed.studies.scoam.audit.case import Case, evaluate, numbers
@@ -62,9 +63,10 @@ class AuditRow:
     evidence: str
 
 
-def audit() -> list[AuditRow]:
-    """All rows, in the order of the paper."""
-    return [_audited(row) for row in rows()]
+@cache
+def audit() -> tuple[AuditRow, ...]:
+    """All rows, in the order of the paper; worked out once in a process, which takes some seconds."""
+    return tuple(_audited(row) for row in rows())
 
 
 def joint_tests(audited: Sequence[AuditRow]) -> list[Together]:
