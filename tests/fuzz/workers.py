@@ -12,7 +12,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
-from testbed.run.engines import environment_of_workers
+from testbed.run.processes import environment_of_workers
 
 RSS_MB = 500
 """More than this held at once is a finding."""
