@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from testbed.results import empty
 from testbed.run.job import JobResult
 from tests.fuzz import campaigns, cases, judge, run, texts, workers
 from tests.fuzz.cases import Case, attempt
@@ -105,7 +106,7 @@ def test_rows_are_judged() -> None:
     assert faults(**nothing, outcome="hit_ground", message="the start is in the ground") == []
     assert len(faults(**nothing, outcome="hit_ground")) == len(faults(**nothing, message="why")) == 4
     assert faults(rejoin_time_s=missing) == []
-    assert faults(rejoin_time_s=float("inf")) == ["rejoin_time_s is inf"]
+    assert faults(rejoin_time_s=float("inf")) == ["rejoin_time_s is inf (reached)"]
     assert faults(outcome="crashed", message="x", traceback='File "/a/testbed/b.py", line 3, in f') == ["crashed: x b.py:3, in f"]
     assert judge.text_faults("a.yaml:1:1: name: this key is missing") == []
     assert [judge.text_faults(text)[0][:14] for text in ("", "a\x1b[31m", "x" * 99_999, "\ud800")] == [
@@ -117,8 +118,7 @@ def test_rows_are_judged() -> None:
 
 
 def test_every_number_that_may_be_missing_is_a_column() -> None:
-    assert set(judge.EMPTY) <= {column.name for column in judge.METRICS}
-    assert all(why for _, why in judge.EMPTY.values())
+    assert all(reason.columns <= empty.NUMBERS and reason.words for reason in empty.REASONS)
 
 
 @pytest.mark.slow
