@@ -77,7 +77,7 @@ def misbehave(case: Case) -> None:
     [
         (0, "the process ended with -11"),
         (1, "ZeroDivisionError: a bug test_fuzz_runs.py"),
-        (2, "more than 3 s of processor time"),
+        (2, "more than 1 s of processor time"),
         (3, "hangs"),
         (4, "MB of memory"),
         (5, "MemoryError"),
@@ -86,7 +86,7 @@ def misbehave(case: Case) -> None:
 def test_it_notices(number: int, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FUZZ_MISBEHAVES", str(number))
     monkeypatch.setenv("FUZZ_KIND", "tests.fuzz.test_fuzz_runs:misbehave")
-    monkeypatch.setitem(workers.CPU_S, "of_a_test", 3.0 if number == 2 else 20.0)
+    monkeypatch.setitem(workers.CPU_S, "of_a_test", 1.0 if number == 2 else 20.0)
     monkeypatch.setattr(workers, "WALL_S", 2.0)
     (one,) = workers.tried([("of_a_test", 0, 0)], tmp_path, 1)
     assert any(told in fault for fault in one.faults), one
