@@ -89,7 +89,7 @@ def _told(what: str, error: ErrorDetails, known: list[str]) -> InitErrorDetails:
         text: Any = "unknown option '{option}' of the {what}" + ("; it has: {listing}" if known else ", which has none")
         kind = PydanticCustomError("unknown_option", text, {"what": what, "option": error["loc"][-1], "listing": ", ".join(known)})
     elif kind not in PYDANTICS_OWN:  # of a validator, which the library knows by its words alone
-        kind = PydanticCustomError(kind, error["msg"], error.get("ctx"))  # type: ignore[arg-type]
+        kind = PydanticCustomError(kind, error["msg"], error.get("ctx"))
     return InitErrorDetails(type=kind, loc=error["loc"], input=error["input"], ctx=error.get("ctx", {}))
 
 
