@@ -16,10 +16,11 @@ from functools import lru_cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
-from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError, core_schema
 
 from testbed.core.section import Number, Whole
 
+PYDANTICS_OWN = frozenset(get_args(core_schema.ErrorType))
 STRICT: dict[Any, Any] = {
     float: Number,
     int: Whole,
@@ -87,6 +88,8 @@ def _told(what: str, error: ErrorDetails, known: list[str]) -> InitErrorDetails:
     if kind == "extra_forbidden":
         text: Any = "unknown option '{option}' of the {what}" + ("; it has: {listing}" if known else ", which has none")
         kind = PydanticCustomError("unknown_option", text, {"what": what, "option": error["loc"][-1], "listing": ", ".join(known)})
+    elif kind not in PYDANTICS_OWN:  # of a validator, which the library knows by its words alone
+        kind = PydanticCustomError(kind, error["msg"], error.get("ctx"))
     return InitErrorDetails(type=kind, loc=error["loc"], input=error["input"], ctx=error.get("ctx", {}))
 
 

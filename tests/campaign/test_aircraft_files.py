@@ -29,6 +29,14 @@ BROKEN = [  # what to replace in the aircraft's file, by what, its complaint aft
     ("name: gtm_t2}", "name: gtm_t3}", "4:27: model.name: there is no gtm_t3.xml beside aircraft.yaml", "without .xml"),
     ("files: own, name: gtm_t2}", "files: wheel, name: c31}", "JSBSim's wheel has no aircraft 'c31'", "did you mean 'c310'?"),
     ("files: own, name: gtm_t2}", "files: wheel, name: sgs233}", "'sgs233' has no engine: gliders are not supported", ""),
+    (
+        "bank_deg: 70",
+        "bank_deg: 1e-300",
+        "8:13: limits.bank_deg: must be at least 1e-06 deg, not 1e-300 deg: nothing that flies has such a figure",
+        "",
+    ),
+    ("alpha_max_1g_mps: ", "alpha_max_1g_mps: 1e-200 #", "limits.alpha_max_1g_mps: must be at least 0.1 m/s, not 1e-200 m/s", ""),
+    ("elevator_i_1ps: ", "elevator_i_1ps: 1e300 #", "autopilot.elevator_i_1ps: must be at most 1e+06, not 1e+300", ""),
     ("title:", "folder: .\ntitle:", "1:1: folder: unknown key 'folder'", ""),
 ]
 

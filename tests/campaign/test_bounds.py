@@ -16,6 +16,8 @@ from testbed.campaign.reading.problems import MOST_SHOWN
 Complaint = Callable[..., str]
 Write = Callable[[str], str]
 
+ENERGY = "check: {kind: energy, verifies: a, truth: b, tolerance: c, "
+
 BEYOND = [
     ("radius_m: 25", "radius_m: 1e300", "must be at most 200000 m, not 1e+300 m: the ground is taken to be flat"),
     ("radius_m: 25", "radius_m: 1e-300", "must be at least 0.01 m, not 1e-300 m: less is a point, not a sphere"),
@@ -29,6 +31,8 @@ BEYOND = [
     ("method:", "replan: {magnitude_chords: 1e-300}\nmethod:", "magnitude_chords: must be at least 0.01"),
     ("method:", "replan: {swell_m: 1e30, k: 1e9}\nmethod:", "replan.k: must be at most 1000, not 1000000000.0"),
     ("method:", "sensor: {range_m: 1e8}\nmethod:", "sensor.range_m: must be at most 200000 m"),
+    ("name: demo", f"name: demo\n{ENERGY}height_tolerance_m: 1e300}}", "check.height_tolerance_m: must be at most 1e+09 m, not 1e+300 m"),
+    ("name: demo", f"name: demo\n{ENERGY}height_tolerance_m: 1e-300}}", "must be at least 1e-12 m, not 1e-300 m: rounding alone is more"),
     ("method:", "limits: {flight_s: 1e9}\nmethod:", "limits.flight_s: must be at most 86400 s"),
     ("method:", "limits: {log_mb: 1}\nmethod:", "limits.log_mb: must be at least 10, not 1: that holds no flight"),
     ("  goal_enu_m: [500, 200, 100]", "  goal_enu_m: [1e-9, 0, 0]", "start_enu_m and goal_enu_m are 1e-09 m apart; at least 1 m"),

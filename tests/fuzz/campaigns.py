@@ -174,6 +174,7 @@ SETTINGS: dict[str, Draw] = {
     "vary": lambda rng: {name: _number(0.01, 0.99)(rng) for name in ("derivatives_share", "lags_share", "gains_share")},
     "seed": lambda rng: rng.randrange(2**63),
     "columns": _of("all"),
+    "recordings": _of("all"),
 }
 """Dotted path to how a value for it is drawn."""
 

@@ -63,7 +63,8 @@ class Case:
         with aircraft_beside(file.parent):
             for plan in list(plans)[:FLOWN_OF_EACH]:
                 columns = self.folder / "columns" / f"{plan.flight_id}.parquet" if campaign.columns == "all" else None
-                result = run_job(Job(plan, want_series=True, check=campaign.check, columns_path=columns))
+                recording = self.folder / "recordings" / f"{plan.flight_id}.rrd" if campaign.recordings == "all" else None
+                result = run_job(Job(plan, recording, want_series=True, check=campaign.check, columns_path=columns))
                 self.faults += judge.row_faults(result)
                 outcomes.append(result.row["outcome"])
         self.came_to = ",".join(outcomes)

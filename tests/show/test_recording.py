@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from testbed import fly, measure
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.results.columns import FlightMetrics
 from testbed.show.recording import write_recording
+from tests.plans import plan
 
 MakeRecord = Callable[..., FlightRecord]
 MakeMetrics = Callable[[FlightRecord], FlightMetrics]
@@ -155,6 +157,13 @@ def test_a_flight_that_never_began(tmp_path: Path, make_record: MakeRecord, make
     metrics = replace(make_metrics(whole), outcome="trim_failed", least_clearance_m=math.nan, time_at_least_clearance_s=math.nan)
     write_recording(empty, metrics, tmp_path / "empty.rrd")
     assert "/summary" in entities(tmp_path / "empty.rrd")
+
+
+def test_a_flight_without_a_route_shows_where_it_would_have_begun(tmp_path: Path) -> None:
+    record = fly(plan(speed_mps=35, air={"wind": {"kind": "steady", "speed_mps": 39, "from_deg": 0}}))
+    assert (record.outcome, record.paths) == (Outcome.NO_PATH, ())
+    write_recording(record, measure(record), tmp_path / "none.rrd")
+    assert "/summary" in entities(tmp_path / "none.rrd")
 
 
 def test_a_diverged_flight_is_shown_up_to_its_last_finite_row(tmp_path: Path, make_record: MakeRecord, make_metrics: MakeMetrics) -> None:

@@ -87,17 +87,24 @@ def _too_slow(plan: FlightPlan, curve: ph.Curve | None) -> Iterator[Fault]:
     if wind and wind.speed_mps < plan.speed_mps and length_m - begin_m <= longest_s * (plan.speed_mps - wind.speed_mps):
         return  # even against it all the way: most campaigns, and there is no need to look at the route
     if wind and curve and plan.geometry == "as_given" and plan.begin.at_route_s_m is not None:
-        air = wind_enu_from_compass(wind.speed_mps, wind.from_deg)
-        s = np.linspace(begin_m, curve.length_m, SAMPLES)
-        speeds = [ground_speed_along((x, y, z), plan.speed_mps, air) for x, y, z in curve.sample(s)[1].tolist()]
-        if min(speeds) <= 0.0:
+        planned_s = _time_in_wind(plan.route, begin_m, plan.speed_mps, wind.speed_mps, wind.from_deg)
+        if not math.isfinite(planned_s):
             what = f"the wind of {wind.speed_mps:g} m/s is too strong for an airspeed of {plan.speed_mps:g} m/s"
             yield Fault(("air", "wind", "speed_mps"), f"{what}: somewhere on the route the flight would stand still or go backwards")
             return
-        planned_s = float(np.trapezoid(1.0 / np.array(speeds), s))
     if planned_s > longest_s:
         words = f"the route takes {planned_s:,.0f} s at {plan.speed_mps:g} m/s" + (" in this wind" if wind else "")
         yield Fault(("route",), f"{words}; a flight may take {longest_s:,.0f} s", f"{limit} sets that")
+
+
+@lru_cache(maxsize=512)
+def _time_in_wind(route: Route, begin_m: float, airspeed_mps: float, wind_mps: float, from_deg: float) -> float:
+    """From a place of the route to its end, s; infinite if the wind is too strong somewhere. Most cells of a sweep share it."""
+    curve, air = _curve(route), wind_enu_from_compass(wind_mps, from_deg)
+    assert isinstance(curve, ph.Curve)
+    s = np.linspace(begin_m, curve.length_m, SAMPLES)
+    speeds = [ground_speed_along((x, y, z), airspeed_mps, air) for x, y, z in curve.sample(s)[1].tolist()]
+    return float(np.trapezoid(1.0 / np.array(speeds), s)) if min(speeds) > 0.0 else math.inf
 
 
 def _behind(plan: FlightPlan, curve: ph.Curve | None) -> Iterator[Fault]:

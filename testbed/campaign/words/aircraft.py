@@ -5,7 +5,16 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from testbed.core.section import NonNegative, Number, Positive, Section
+from testbed.core import section
+from testbed.core.section import Between, Section
+
+MOST = 1e6
+WHY = "nothing that flies has such a figure"
+Number = Annotated[section.Number, Between(WHY, -MOST, MOST)]
+NonNegative = Annotated[section.NonNegative, Between(WHY, most=MOST)]
+Positive = Annotated[section.Positive, Between(WHY, 1.0 / MOST, MOST)]
+"""Flight divides by these, and by their squares: what is too small for that is refused, not 0 alone."""
+Airspeed = Annotated[section.Positive, Between("nothing flies as slowly", least=0.1), Between("nothing flies as fast", most=1000.0)]
 
 
 class Model(Section):
@@ -22,15 +31,15 @@ class Model(Section):
 class Limits(Section):
     """The envelope: what guidance may ask for, and between which airspeeds the figures here hold."""
 
-    speed_min_mps: Positive  # 1.2 times the stall
-    speed_max_mps: Positive  # fastest level trim, or 1.6 times the reference airspeed
+    speed_min_mps: Airspeed  # 1.2 times the stall
+    speed_max_mps: Airspeed  # fastest level trim, or 1.6 times the reference airspeed
     bank_deg: Positive
     load_factor_min: Number
     load_factor_max: Positive
     roll_rate_dps: Positive
     alpha_max_deg: Positive
-    alpha_max_1g_mps: Positive  # airspeed at which 1 g takes alpha_max: slower than that there is less lift to ask for
-    stall_mps: Positive
+    alpha_max_1g_mps: Airspeed  # airspeed at which 1 g takes alpha_max: slower than that there is less lift to ask for
+    stall_mps: Airspeed
 
 
 class GuidanceGains(Section):
@@ -46,7 +55,7 @@ class GuidanceGains(Section):
 class AutopilotGains(Section):
     """Inner loops at ``reference_mps``; surface gains scale with (reference / airspeed)^2."""
 
-    reference_mps: Positive
+    reference_mps: Airspeed
     bank_1ps: Positive  # roll rate asked for per bank error
     aileron_per_roll_rate_s: Positive
     aileron_feed_forward_s: NonNegative  # steady aileron per roll rate

@@ -4,7 +4,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from testbed.core.section import NonNegative, Number, Positive, Section
+from testbed.core import section
+from testbed.core.section import Between, Section
+
+MOST = 1e9
+NoLarger = Between("no number that is judged is larger", most=MOST)
+Number = Annotated[section.Number, Between("no number that is judged is larger", -MOST, MOST)]
+NonNegative = Annotated[section.NonNegative, NoLarger]
+Positive = Annotated[section.Positive, Between("rounding alone is more", least=1e-12), NoLarger]
+"""A bound that a computed number can keep, and miss."""
 
 
 class CheckSection(Section):

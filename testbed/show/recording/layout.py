@@ -67,10 +67,11 @@ def _spatial(record: FlightRecord, name: str, eye: rrb.EyeControls3D) -> rrb.Spa
 
 
 def _overview(record: FlightRecord) -> rrb.Spatial3DView:
-    """The whole route from its right-hand side and above."""
+    """The whole route from its right-hand side and above; without a route, the surroundings of the start."""
     places = [point for path in record.paths for piece in path_points(path, 8) for point in piece]
     places += route_ends(record)
-    box = np.array(places)
+    start = np.array(record.plan.route.start_enu_m)
+    box = np.array(places or [start, start + np.array([100.0, 0.0, 0.0])])
     low, high = box.min(axis=0), box.max(axis=0)
     centre, extent = (low + high) / 2, float(np.linalg.norm(high - low))
     along = box[-1] - box[-2]

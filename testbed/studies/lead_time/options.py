@@ -9,11 +9,17 @@ from pydantic import Field, field_validator
 
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.frames import unit_from_direction
-from testbed.core.section import NonNegative, Positive, Section
+from testbed.core.section import Between, Number, Positive, Radius, Section, TrafficSpeed
 
 CLEAR_BY_S = 8.0
 """So long after the closest approach the route must still go on, s."""
 STRAIGHT = 1e-9
+
+MOST_S = 600.0
+EveryOneFlies = Between("every flight of the search lasts as long", most=MOST_S)
+Lead = Annotated[Positive, Between("no planner looks so often", least=0.001), EveryOneFlies]
+Tolerance = Annotated[Positive, Between("rounding decides about less", least=1e-6), EveryOneFlies]
+RunUp = Annotated[Number, Field(ge=0), EveryOneFlies]
 
 
 class LeadTime(Section):
@@ -24,15 +30,15 @@ class LeadTime(Section):
     velocity and even in area on the disc of radius R. What would begin inside of the sphere at the longest lead is drawn again.
     """
 
-    leads_s: Annotated[tuple[Positive, ...], Field(min_length=2)]
+    leads_s: Annotated[tuple[Lead, ...], Field(min_length=2, max_length=200)]
     """The grid of times from the trigger to the closest approach, growing, s. Every one of them is flown."""
-    tolerance_s: Positive = 0.02
+    tolerance_s: Tolerance = 0.02
     """The least lead is then bisected until it is known this closely, s."""
-    run_up_s: NonNegative = 0.0
+    run_up_s: RunUp = 0.0
     """The flight begins this long before the trigger, s."""
-    obstacle_speed_mps: tuple[NonNegative, NonNegative]
+    obstacle_speed_mps: tuple[TrafficSpeed, TrafficSpeed]
     """Least and largest speed of the obstacle, m/s."""
-    radius_m: tuple[Positive, Positive]
+    radius_m: tuple[Radius, Radius]
     """Least and largest radius of the sphere, m."""
 
     @field_validator("leads_s")

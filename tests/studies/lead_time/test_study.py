@@ -120,6 +120,11 @@ def test_a_search_that_the_program_fails_is_a_crash_and_no_line(tmp_path: Path, 
 
 WRONG = [
     ("leads_s: [0.5, 1, 2]", "leads_s: [0.5, 2, 1]", "each lead must be more than the one before it"),
+    ("leads_s: [0.5, 1, 2]", "leads_s: [0.5, 1, 1e300]", "must be at most 600 s, not 1e+300 s: every flight of the search lasts as long"),
+    ("tolerance_s: 0.1", "tolerance_s: 1e-300", "must be at least 1e-06 s, not 1e-300 s: rounding decides about less"),
+    ("tolerance_s: 0.1", "run_up_s: 1e9", "must be at most 600 s, not 1000000000.0 s"),
+    ("speed_mps: [20, 50]", "speed_mps: [20, 1e200]", "must be at most 3000 m/s, not 1e+200 m/s: nothing in the air is as fast"),
+    ("radius_m: [25, 30]", "radius_m: [1e-9, 30]", "must be at least 0.01 m, not 1e-09 m: less is a point, not a sphere"),
     ("radius_m: [25, 30]", "radius_m: [30, 25]", "the first is more than the second"),
     ("tolerance_s: 0.1", "run_up_s: 0.123", "needs run_up_s to be a whole number of looks of the planner, 1/60 s each"),
     ("range_m: 10000", "range_m: 100", "needs sensor.range_m of 330 m at least"),
