@@ -2,14 +2,14 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from testbed.results.columns import METRICS
 from testbed.run import identity, journal, manifest
 from testbed.run.directory import BadInputError
-from testbed.run.engines import Died, LocalEngine
+from testbed.run.engines import Died, LocalEngine, limited
 from testbed.run.job import Job, JobResult, Row, crashed, run_job
 from testbed.run.stored import existing, journal_read, plan_of, rows_of, world_of_run
 
@@ -27,7 +27,7 @@ class Replay:
 def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[Job], JobResult] = run_job) -> Replay:
     """Fly one plan of a run again and record it; ``flight_id`` may be shortened as long as it fits one flight only."""
     directory = existing(path)
-    about, (_, planned) = manifest.load(directory), plan_of(directory)
+    about, (campaign, planned) = manifest.load(directory), plan_of(directory)
     ids = [f"{number:012x}" for number in planned.ids.tolist()]
     matches = [n for n, one in enumerate(ids) if one == flight_id] or [n for n, one in enumerate(ids) if one.startswith(flight_id)]
     if len(matches) != 1:
@@ -45,12 +45,12 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
     places = rows.places(planned.ids[matches])
     with journal_read():
         stored = rows.lines(places, journal.row_of)[0] if places[0] >= 0 else None
-    ((_, again),) = LocalEngine(1).imap(
-        job, [Job(plan, recording, world=world_of_run(directory))]
-    )  # in a worker, as it was flown the first time
+    engine = limited(LocalEngine(1), campaign.limits.wall_limit_s)  # in a worker, as it was flown the first time
+    ((_, again),) = engine.imap(job, [Job(plan, recording, world=world_of_run(directory))])
     if isinstance(again, Died):
         again = crashed(Job(plan), again.reason, again.details)
-    row = journal.decode(journal.encode(again)).row
+    of_run = replace(again, row=again.row | {"recording": None})  # it may be anywhere, and a run's own is where a run has it
+    row = journal.decode(journal.encode(of_run)).row
     same_code = about["identity"]["code"] == identity.code_hash() and about["identity"]["versions"] == identity.versions()
     return Replay(recording, plan.flight_id, _changes(stored, row), same_code)
 

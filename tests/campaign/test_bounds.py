@@ -142,6 +142,7 @@ def in_time(text: str, write: Write, seconds: float = 5.0) -> str:
     return said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("what", "words"),
     [
@@ -158,6 +159,7 @@ def test_a_file_that_is_hard_to_read_is_refused_in_time(good: str, write: Write,
     assert bool(said) == bool(words)
 
 
+@pytest.mark.slow
 def test_more_values_than_can_be_tried_are_refused_at_once(good: str, write: Write) -> None:
     base = good.partition("sweep:")[0]
     axis = f"sweep:\n  replan.swell_m: [{', '.join(str(k / 1000) for k in range(9000))}]\n"

@@ -17,6 +17,7 @@ def plans_of(name: str) -> dict[str, FlightPlan]:
     return {plan.cell: plan for plan in plans}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", sorted(CAMPAIGNS.rglob("*.yaml")), ids=lambda file: file.stem)
 def test_every_campaign_loads_and_an_editor_knows_its_schema(file: Path) -> None:
     campaign = load_campaign(file)

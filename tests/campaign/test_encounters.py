@@ -68,6 +68,7 @@ def test_a_time_to_the_closest_approach_can_be_given_instead() -> None:
         assert told["miss"] <= told["radius"] < told["range"]
 
 
+@pytest.mark.slow
 def test_the_distribution_is_the_one_that_is_documented() -> None:
     """Fixed seed. With so long a time nothing is drawn again, and the direction is even on the sphere."""
     n = 3000

@@ -160,6 +160,7 @@ def test_a_plan_keeps_its_id_through_json() -> None:
         assert flight_id(FlightPlan.model_validate(json.loads(plan.model_dump_json()))) == plan.flight_id
 
 
+@pytest.mark.slow
 def test_ids_are_the_same_in_every_process(write: Write, good: str) -> None:
     path = write(good)
     code = f"from testbed.campaign import expand, load_campaign\nprint([p.flight_id for p in expand(load_campaign({path!r}))])"

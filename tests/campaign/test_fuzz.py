@@ -125,6 +125,7 @@ def test_a_mutated_file_loads_or_is_refused(tmp_path: Path, data: bytes) -> None
     check(path, [])
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     file=st.sampled_from(GOOD_FILES),

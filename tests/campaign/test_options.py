@@ -136,6 +136,7 @@ def test_an_option_keeps_its_type_through_a_sweep_and_json(tmp_path: Path) -> No
     assert list(plans) == again
 
 
+@pytest.mark.slow
 def test_the_command_says_so_and_exits_with_2(tmp_path: Path) -> None:
     path = tmp_path / "campaign.yaml"
     path.write_text(f"{HEAD}method: {{kind: droam_hp, options: {{side: up}}}}\n")

@@ -53,6 +53,7 @@ def test_a_flight_keeps_its_id_when_other_parts_change() -> None:
     assert {plan.flight_id for plan in one} < {plan.flight_id for plan in more}
 
 
+@pytest.mark.slow
 def test_ids_are_the_same_in_every_process_and_after_a_trip_through_json(write: Write, parted: str) -> None:
     path = write(parted)
     code = f"from testbed.campaign import expand, load_campaign\nprint([p.flight_id for p in expand(load_campaign({path!r}))])"

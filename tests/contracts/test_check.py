@@ -43,6 +43,7 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     return save
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", registry.names("method"))
 def test_every_method_that_is_built_in_keeps_its_promises(kind: str) -> None:
     kept, lines = check("method", kind, {})
@@ -131,6 +132,7 @@ def test_what_is_not_there_is_said(write, kind: str, said: str) -> None:
         check("method", kind, {})
 
 
+@pytest.mark.slow
 def test_the_command(write, tmp_path: Path) -> None:
     write(GOOD)
     command = [sys.executable, "-c", "from testbed.cli import main; main()", "check"]
@@ -175,6 +177,7 @@ class Planner:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("step", "said"),
     [

@@ -164,6 +164,7 @@ def test_spectrum_and_autocorrelation_belong_together(two_stage: bool) -> None:
         assert integral == pytest.approx(float(autocorrelation(np.array(lag), 2.0, two_stage)), abs=1e-3)
 
 
+@pytest.mark.slow
 def test_the_first_sample_is_stationary() -> None:
     first = np.array([dryden_series(UNIT, 50.0, 1, np.random.default_rng(k))[0] for k in range(4000)])
     assert np.allclose(first.std(axis=0), 1.0, atol=5 / math.sqrt(2 * 4000))

@@ -44,6 +44,7 @@ def test_a_start_at_or_under_the_ground_hits_it(plant: str, terrain_z_m: float, 
     assert words in record.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plant", PLANTS)
 @pytest.mark.parametrize("guidance", ["look_ahead", "l1"])
 @pytest.mark.parametrize("elevation", [90, -90])

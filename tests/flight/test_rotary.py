@@ -59,6 +59,7 @@ def test_the_strength_of_roll_is_the_integral_of_its_spectrum() -> None:
     assert sigma_roll(MODERATE, SPAN) ** 2 == pytest.approx(float(np.trapezoid(specified(wave, SPAN)[0], wave)), rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("span_m", [SPAN, 11.0])
 def test_variance_and_spectrum_of_a_long_series(span_m: float) -> None:
     """Welch's estimate by octave within five standard errors of its chi-square; the variance within 1 %, five standard errors of it."""

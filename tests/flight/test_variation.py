@@ -197,6 +197,7 @@ def test_factors_are_within_the_share_and_scale_with_it(seed: int, replicate: in
     assert {name: 1.0 + 2.0 * (factor - 1.0) for name, factor in half.items()} == pytest.approx(whole)
 
 
+@pytest.mark.slow
 def test_factors_are_even_over_the_spread() -> None:
     """Uniform in 1 -+ a: mean 1, standard deviation a / sqrt 3, lag and derivative of a replicate independent."""
     draws = [variation(plan(vary=SPREAD, replicate=k, **GTM)) for k in range(2000)]

@@ -118,6 +118,7 @@ def test_the_type_is_that_of_the_campaign_and_not_of_the_flights_that_are_done()
 numbers = st.one_of(st.integers(-(10**6), 10**6).map(str), st.floats(-1e6, 1e6).map(lambda x: repr(x).removesuffix(".0")))
 
 
+@pytest.mark.slow
 @given(st.lists(st.one_of(numbers, st.sampled_from(["true", "false", "calm", "north-east", "[1,2]"])), min_size=1, max_size=6))
 def test_csv_and_parquet_read_by_pandas_agree_on_every_axis(labels):
     table = tables.table([row(n, labels={"axis": label}) for n, label in enumerate(labels)])

@@ -268,6 +268,7 @@ def test_the_browser_gets_the_curves_of_every_group(four: tuple[list[Row], dict[
     assert one["clearance_m"] == four[1]["fjsbsimscoam"]["clearance_m"]
 
 
+@pytest.mark.slow
 def test_hundreds_of_flights_stay_readable_and_small(four: tuple[list[Row], dict[str, Any]]) -> None:
     rows, series = four
     many, drawn = [], {}
@@ -342,6 +343,7 @@ def test_a_browser_draws_it_without_error_or_request(browser: Any, four: tuple[l
     assert problems == []
 
 
+@pytest.mark.slow
 def test_crowded_cells_have_a_histogram_that_counts_every_flight() -> None:
     import numpy as np
 

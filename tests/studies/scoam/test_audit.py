@@ -55,6 +55,7 @@ def table(text):
 # ---- complete ----------------------------
 
 
+@pytest.mark.slow
 def test_every_printed_result_has_exactly_one_row(table):
     for where in {*PRINTED, *OTHERS}:
         mine = [row for row in table if row["where"] == where]

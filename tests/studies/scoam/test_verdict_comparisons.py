@@ -218,6 +218,7 @@ def test_online_needs_an_answer_and_tells_whether_it_comes_in_time():
     assert claim.why.startswith(f"{len(flights.all) // 2} flights had a threat answered")
 
 
+@pytest.mark.slow
 def test_no_time_of_the_computer_enters_the_verdict():
     """The same rows with other timings, a thousand times slower, are the same files: what a computer takes is in timings.csv alone."""
     campaign, rows = load_campaign(ROOT / "campaigns" / "paper.yaml"), [one | {"recording": None} for one in calm(2.0, -3.0)]
