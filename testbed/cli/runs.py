@@ -104,16 +104,18 @@ def validate(
 ) -> None:
     """Check campaigns, with the settings changed that are given; what each will take of disk and time, by a few flights flown to see."""
     with bad_input():
-        from testbed.campaign import SpecError, load_campaign
+        from testbed.campaign import SpecError
         from testbed.core.catalogue import aircraft_beside
         from testbed.run import estimate
+        from testbed.run.directory import BadInputError
         from testbed.run.engines import usable_cores
+        from testbed.run.trial import load_tried
 
         bad = False
         for file in files:
             try:
                 with aircraft_beside(file.parent):
-                    campaign = load_campaign(file, override or ())
+                    campaign = load_tried(file, override or ())
                     counted = estimate.count(campaign)
                     say(f"{file}: {_counted(counted.flights, sum(counted.cells.values()))}")
                     for name in campaign.parts:
@@ -122,7 +124,7 @@ def validate(
                         number = workers or usable_cores()
                         for line in estimate.told(counted, estimate.estimate(campaign, counted, number), number):
                             say(f"  {line}")
-            except SpecError as problems:
+            except (SpecError, BadInputError) as problems:
                 say(str(problems), sys.stderr)
                 bad = True
     raise typer.Exit(BAD_INPUT if bad else 0)

@@ -16,6 +16,7 @@ import numpy as np
 from testbed.contracts.promise import Promise, first_broken
 from testbed.core.frames import vec3
 from testbed.core.seeds import stream
+from testbed.core.utf8 import reason
 from vosc import Obstacle, Own
 from vosc.methods import CHOICES, Choice, avoid, checked_choice
 
@@ -91,8 +92,10 @@ def _safety(method: Callable[..., Choice], options: Mapping[str, Any], scenes: S
     began = perf_counter()
     try:
         found = Counter(str(avoid(apart, own, obstacles).status) for _, (own, obstacles) in scenes)
-    except (Exception, SystemExit) as bug:
-        return Promise("can be asked through vosc.methods.avoid", f"raises {type(bug).__name__}: {bug}")
+    except KeyboardInterrupt:
+        raise
+    except BaseException as bug:
+        return Promise("can be asked through vosc.methods.avoid", f"raises {reason(bug)}")
     cost = (perf_counter() - began) / len(scenes)
     told = (
         ", ".join(f"{count} {status}" for status, count in found.most_common()) + f"; {1e6 * cost:.0f} microseconds each on this computer"

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
+from testbed.core.utf8 import reason
+
 
 @dataclass(frozen=True)
 class Promise:
@@ -27,8 +29,10 @@ def first_broken(what: str, cases: Iterable[tuple[str, Callable[[], str]]], note
     for name, tried in cases:
         try:
             wrong = tried()
-        except (Exception, SystemExit) as bug:
-            wrong = f"raises {type(bug).__name__}: {bug}"
+        except KeyboardInterrupt:
+            raise
+        except BaseException as bug:
+            wrong = f"raises {reason(bug)}"
         if wrong:
             return Promise(what, f"{name}: {wrong}")
     return Promise(what, note=note)

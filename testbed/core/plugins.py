@@ -15,6 +15,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from testbed.core.utf8 import reason
+
 MOST_BYTES = 1_000_000
 
 
@@ -105,7 +107,7 @@ def _executed(plugin: Plugin) -> ModuleType:
         del sys.modules[name]
         if isinstance(bug, KeyboardInterrupt):
             raise
-        raise PluginError(f"{_where(plugin, bug)}: {type(bug).__name__}: {bug}") from bug
+        raise PluginError(f"{_where(plugin, bug)}: {reason(bug)}") from None
     return module
 
 

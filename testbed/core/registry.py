@@ -19,6 +19,7 @@ from importlib import metadata
 from typing import Any
 
 from testbed.core import plugins
+from testbed.core.utf8 import reason
 
 PACKAGE = "=="
 """Ends the name of a distribution among the origins of parts; a plug-in's file has no such name."""
@@ -91,7 +92,7 @@ def part(family: str, kind: str, pinned: Mapping[str, str] | None = None) -> Any
         try:
             return installed[kind].load()
         except Exception as bug:
-            raise plugins.PluginError(f"'{kind}' of {_whose(installed[kind])} cannot be imported: {type(bug).__name__}: {bug}") from bug
+            raise plugins.PluginError(f"'{kind}' of {_whose(installed[kind])} cannot be imported: {reason(bug)}") from bug
     raise UnknownPartError(FAMILIES[family], kind, names(family))
 
 

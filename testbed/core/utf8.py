@@ -10,6 +10,24 @@ def whole(text: str) -> str:
     return text
 
 
+MOST_SAID = 2_000
+"""Characters of a message that others wrote; more is not read by anybody."""
+
+
+def shortened(text: str, most: int = MOST_SAID) -> str:
+    """The text, whole, and cut where it is longer than ``most`` characters."""
+    return whole(text) if len(text) <= most else f"{whole(text[:most])} ... and {len(text) - most:,} characters more"
+
+
+def reason(bug: BaseException) -> str:
+    """What an exception of anybody's code says: its type, and its text if that can be had."""
+    try:
+        said = str(bug)
+    except BaseException as worse:  # its text is made by code, too
+        said = f"its text cannot be read ({type(worse).__name__})"
+    return shortened(f"{type(bug).__name__}: {said}")
+
+
 def utf8(text: str) -> bytes:
     """The bytes of a text, whatever is in it."""
     return text.encode("utf-8", "backslashreplace")

@@ -97,13 +97,13 @@ def checked_row(data: Any) -> None:
     if not isinstance(data, dict) or not isinstance(row := data.get("row"), dict):
         raise ValueError("it has no row")
     if not is_id(row.get("flight_id")):
-        raise ValueError("flight_id is none")
+        raise ValueError("flight_id is no flight's id")
     for name, kind, types in (*_WHO, *(() if "found" in row else _MEASURED)):
         value = row.get(name, NotImplemented)
         if value.__class__ not in types and not (kind is Kind.NUMBER and value in ("inf", "-inf")):  # which is how that is written
             raise ValueError(f"{name} is no {kind}")
     if "found" not in row and row["outcome"] not in _OUTCOMES:
-        raise ValueError("outcome is none")
+        raise ValueError("outcome is none that there is")
     wrong = [
         name
         for name, kind in {"labels": dict, "events": list, "message": str, "traceback": str, "outcome": str}.items()

@@ -9,7 +9,7 @@ from typing import Any
 
 from testbed.campaign.words.check import Check
 from testbed.campaign.words.settings import FlightPlan
-from testbed.core.utf8 import whole
+from testbed.core.utf8 import reason, shortened, whole
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.results.columns import FlightMetrics, nothing_measured
 from testbed.run.world import NOTHING_MORE, World
@@ -38,19 +38,24 @@ class JobResult:
     timings: dict[str, float]
 
 
+MOST_DETAILS = 10_000
+"""Characters of a traceback that are kept, the last ones: a message may be as long as memory."""
+
+
 def run_job(job: Job) -> JobResult:
     """Fly, measure and record one plan; a failure of the program is a row with outcome ``crashed``."""
     try:
         job.world.enter()
         return _run(job)
     except Exception as bug:
-        return crashed(job, f"{type(bug).__name__}: {bug}", traceback.format_exc())
+        return crashed(job, reason(bug), traceback.format_exc())
 
 
 def crashed(job: Job, message: str, details: str) -> JobResult:
     """The row of a flight that the program failed to fly."""
     metrics = nothing_measured() | {"outcome": Outcome.CRASHED.value}
-    return JobResult(_identity(job.plan) | metrics | _story([], message, details, None), None, {})
+    story = _story([], shortened(message), whole(details[-MOST_DETAILS:]), None)
+    return JobResult(_identity(job.plan) | metrics | story, None, {})
 
 
 def _flown_by_study(plan: FlightPlan) -> JobResult:

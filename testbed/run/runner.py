@@ -22,6 +22,7 @@ from testbed.run.job import Job, JobResult, crashed, run_job
 from testbed.run.manifest import Manifest
 from testbed.run.planned import Planned, opened
 from testbed.run.stored import PLAN, ROWS, existing, journal_read, plan_of, rows_of
+from testbed.run.trial import load_tried
 from testbed.run.world import World, world_of
 from testbed.run.write import write_results
 
@@ -74,9 +75,7 @@ class Order:
 
 def run(order: Order) -> Summary:
     """Fly what is not yet flown of a campaign, and write the results."""
-    from testbed.campaign import load_campaign
-
-    campaign = load_campaign(order.source, overrides=order.overrides)
+    campaign = load_tried(order.source, order.overrides)
     text = order.source.read_bytes()  # before --fresh removes anything: the campaign may be the run's own copy
     directory = RunDirectory(order.out or RUNS / campaign.name)
     directory.claim()

@@ -19,6 +19,8 @@ from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any, TypeVar
 
+from testbed.core.utf8 import reason
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -60,7 +62,7 @@ def attempt(fn: Callable[[Item], Result], item: Item) -> Result | Died:
 
 
 def _died_of(bug: BaseException) -> Died:
-    return Died(f"{type(bug).__name__}: {bug}", traceback.format_exc())
+    return Died(reason(bug), traceback.format_exc()[-MOST_BYTES // 64 :])
 
 
 def work(line: socket.socket, driver: int) -> None:

@@ -128,3 +128,33 @@ def test_a_track_is_among_the_parts_that_say_who_a_flight_is() -> None:
         ("planner", "replan"),
         ("traffic", "straight"),
     ]
+
+
+RAISES = {  # what a function of somebody's own may do when it is tried, and what is said of it
+    'raise ValueError("bad \\ud800 text")': r"bad \ud800 text",
+    'raise ValueError("x" * 1_000_000)': "characters more",
+    "raise Odd()": "Odd: its text cannot be read (RuntimeError)",
+    "raise Number()": "Number: its text cannot be read (TypeError)",
+    'raise Base("mine")': "Base: mine",
+    "raise GeneratorExit": "GeneratorExit",
+    "raise SystemExit(3)": "SystemExit: 3",
+}
+ODD = """
+class Odd(Exception):
+    def __str__(self): raise RuntimeError("str of me")
+class Number(Exception):
+    def __str__(self): return 5
+class Base(BaseException): ...
+def avoid(own, obstacles):
+"""
+
+
+@pytest.mark.parametrize(("does", "said"), RAISES.items(), ids=list(RAISES))
+def test_whatever_a_part_raises_when_it_is_tried_is_a_sentence(tmp_path: Path, does: str, said: str) -> None:
+    (tmp_path / "mine.py").write_text(f"{ODD}    {does}\n")
+    (tmp_path / "own.yaml").write_text(f'{HEAD}method: {{kind: "mine:avoid"}}\n')
+    with pytest.raises(SpecError) as refused:
+        load_campaign(tmp_path / "own.yaml")
+    assert said in str(refused.value)
+    assert len(str(refused.value)) < 5_000
+    str(refused.value).encode()

@@ -94,7 +94,8 @@ def _too_slow(plan: FlightPlan, curve: ph.Curve | None) -> Iterator[Fault]:
             return
     if planned_s > longest_s:
         words = f"the route takes {planned_s:,.0f} s at {plan.speed_mps:g} m/s" + (" in this wind" if wind else "")
-        yield Fault(("route",), f"{words}; a flight may take {longest_s:,.0f} s", f"{limit} sets that")
+        most = f"{longest_s:,.0f}" if longest_s >= 10.0 else f"{longest_s:g}"
+        yield Fault(("route",), f"{words}; a flight may take {most} s", f"{limit} sets that")
 
 
 @lru_cache(maxsize=512)

@@ -10,6 +10,7 @@ from testbed.core import options as typed
 from testbed.core import plugins, registry
 from testbed.core.kept import Kept
 from testbed.core.section import Section
+from testbed.core.utf8 import reason
 
 _tried: Kept[dict[str, Any]] = Kept(1000)
 """Options that a part has taken: the thousands of cells of a campaign ask for few."""
@@ -75,10 +76,12 @@ class Pluggable(Section):
             raise ValueError(f"the {what} cannot be used: {error}") from None
         try:
             cls._try(part, found)
-        except ValueError as error:
-            raise typed.blamed(str(error), found) from None
-        except (Exception, SystemExit) as bug:  # a part that leaves must not take the reader along; Ctrl-C still does
-            raise ValueError(f"the {what} fails when it is tried: {type(bug).__name__}: {bug}") from bug
+        except KeyboardInterrupt:
+            raise
+        except BaseException as bug:  # a part that leaves must not take the reader along
+            if isinstance(bug, ValueError):
+                raise typed.blamed(reason(bug).partition(": ")[2], found) from None
+            raise ValueError(f"the {what} fails when it is tried: {reason(bug)}") from None
         return found
 
     @classmethod
