@@ -11,6 +11,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from pydantic_core import from_json
+
 from testbed.core.utf8 import whole
 from testbed.flight.record import Outcome
 from testbed.results.columns import IDENTITY_COLUMNS, METRICS, Kind
@@ -46,6 +48,10 @@ def is_id(name: Any) -> bool:
 
 def loads(data: bytes) -> Any:
     """JSON that somebody else wrote. Raises ``ValueError`` for whatever cannot be read, too deep a nesting included."""
+    try:
+        return from_json(data)  # quicker, and rows that are kept share the names of their columns
+    except ValueError:  # also for half a character
+        pass
     try:
         found = json.loads(data)
     except RecursionError:

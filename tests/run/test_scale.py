@@ -192,7 +192,7 @@ def test_the_page_of_many_flights_and_failures_is_cut_and_says_so(tmp_path):
     assert len(page.encode()) < 2_000_000  # to which the library that draws adds 2 MB, and 64 flights' curves half of one
     assert "100 more cells are in" in page
     assert "8700 more are in" in page
-    assert page.count("Of 150 more cells there is no picture.") == 1
+    assert page.count("Of 150 more cells there is no picture.") == 2  # of clearance, and of bank
     assert page.count('<details class="failure">') == 50
     assert "400 more flights failed to run" in page
 
