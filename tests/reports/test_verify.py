@@ -166,7 +166,10 @@ def test_a_run_without_raw_columns_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_flights_that_never_began_are_checked_too(tmp_path: Path) -> None:
-    code, said, _ = verify(fly(tmp_path, overrides=("sweep={}", "begin={at_route_s_m: 9000}")))
+    gale = ("sweep={}", "plant={kind: kinematic}", "speed_mps=30", "air={wind: {kind: steady, speed_mps: 40, from_deg: 60}}")
+    folder = fly(tmp_path, overrides=gale)
+    assert ",no_path," in (folder / "results.csv").read_text()
+    code, said, _ = verify(folder)
     assert (code, said.splitlines()[0]) == (0, "1 flights checked of 1 planned, in 1 cells")
 
 
