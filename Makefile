@@ -64,12 +64,12 @@ fuzz: $(STAMP) ## 26,600 mutated campaigns, settings and aircraft read, of them 
 	HYPOTHESIS_PROFILE=random $(BIN)/pytest -n 2 --dist loadfile -m "not slow and not browser and not viewer" -k "not fuzz" tests
 
 SEED := 1
-kills: $(STAMP) ## kill 100 drivers, 50 workers and 20 Dask schedulers, continue, and compare bytes (SEED=1); half an hour
+kills: $(STAMP) ## kill 100 drivers, 50 workers and 20 Dask schedulers, continue, and compare bytes (SEED=1)
 	$(BIN)/python -m tests.kills.kills --drivers 100 --workers 50 --schedulers 20 --seed $(SEED)
 
 # What draws the changes and what measures the lines are not in the lock: only this needs them.
 MUTANTS ?= 210
-mutants: $(STAMP) ## change 210 places of the code one by one; do the tests notice? reports/runs/mutants.csv; an hour
+mutants: $(STAMP) ## change 210 places of the code one by one; do the tests notice? reports/runs/mutants.csv
 	test -x $(VENV)/mutants/bin/cosmic-ray || { $(PYTHON) -m venv $(VENV)/mutants; $(VENV)/mutants/bin/python -m pip install --quiet cosmic-ray; }
 	$(PIP) install --quiet --no-deps coverage
 	$(VENV)/mutants/bin/python tests/mutants/run.py --python $(abspath $(BIN)/python) --count $(MUTANTS)
@@ -85,7 +85,7 @@ wheel-test: $(STAMP) ## install the wheel into empty environments of Python 3.11
 bench: $(STAMP) ## time flights of every plant and air against the physics alone: reports/bench_history.csv
 	$(BIN)/testbed bench
 
-# An idle machine, an hour with two workers, 2 GB; the same with copied flights takes minutes: add --copy.
+# For an idle machine; quicker with copied flights (--copy of the script).
 SCALE_FLIGHTS ?= 200000
 scale: $(STAMP) ## 200,000 kinematic flights, killed half way and resumed: memory of the driver, time and size of the page
 	PYTHONPATH=. $(BIN)/python tests/benchmarks/bench_scale.py --flights $(SCALE_FLIGHTS) --out reports/runs/scale

@@ -64,5 +64,5 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_\-]*$", max_length=
 class Section(BaseModel):
     """A frozen block of the YAML; an unknown key is an error. The text under a key is its description in the JSON Schema."""
 
-    # Built when it is first used, and its texts are read by reading/json_schema.py alone: that is half the time a worker takes to start.
+    # Built when it is first used, and its texts are read by reading/json_schema.py alone: a worker starts sooner so.
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy import special  # not scipy.stats: that takes two seconds to import, in every process that writes a page
+from scipy import special  # not scipy.stats: that takes over a second to import, in every process that writes a page
 
 LEVEL: Final = 0.95
 LEAST_PAIRS: Final = 6  # fewer have no interval of 95 % for their median

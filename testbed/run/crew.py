@@ -15,6 +15,7 @@ from itertools import islice
 from multiprocessing.process import BaseProcess
 from typing import Any
 
+from testbed.core.utf8 import reason
 from testbed.run.processes import how_it_ended, keeper, processor_s, start
 from testbed.run.wire import NoMessageError, Wire
 from testbed.run.worker import ANSWER, CALL, Died
@@ -274,4 +275,4 @@ def _read(answer: bytes) -> Any:
     try:
         return pickle.loads(answer)
     except Exception as bug:
-        return Died(f"its result cannot be read: {type(bug).__name__}: {bug}")
+        return Died(f"its result cannot be read: {reason(bug)}")

@@ -1,11 +1,11 @@
 """What a run will leave on disk and how long it will take, from a few flights that are flown to see. Nothing of them is kept."""
 
-import multiprocessing
+import math
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from itertools import islice
-from multiprocessing.connection import Connection
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -17,8 +17,8 @@ from testbed.campaign.reading.expand import each_plan, sizes
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.flight.record import Outcome
 from testbed.run import journal, planned
+from testbed.run.engines import Died, LocalEngine
 from testbed.run.job import Job, JobResult, run_job
-from testbed.run.processes import environment_of_workers
 from testbed.run.storing import SERIES
 from testbed.run.world import world_of
 from testbed.studies.study import Study
@@ -26,11 +26,11 @@ from testbed.studies.study import Study
 SAMPLE = 4
 """Flights that are flown to see, of cells evenly spread over the campaign."""
 ENOUGH_S, LONGEST_S = 5.0, 30.0
-"""So long other flights are waited for after the first, and so long the first."""
+"""After so long from the first flight on no other is begun; and one that takes so long is ended."""
 START_S = 4.0
 """From the command to the first flight, and from the last to the page."""
 DRIVER_S = 1.0e-3
-"""What the driver does for each flight, tables and page included; tests/benchmarks/bench_scale.py prints it."""
+"""What the driver does for each flight, tables and page included: a rough figure, of busy machines."""
 COUNTED = 5_000
 """So many plans are made to see how long they are as text."""
 JITTERED = 2_000
@@ -148,30 +148,17 @@ def estimate(campaign: Campaign, counted: Counted, workers: int) -> Estimate:
 
 def _flown(jobs: Sequence[Job]) -> list[JobResult]:
     """Results of the first of them, as many as there is time for. The first is flown twice: before, a process has much to read."""
-    context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    process = context.Process(target=_fly, args=(theirs, [jobs[0], *jobs]), daemon=True)
-    with environment_of_workers():
-        process.start()
-    theirs.close()
     results: list[JobResult] = []
-    wait_until = time.monotonic() + LONGEST_S
-    try:
-        while len(results) <= len(jobs) and ours.poll(max(0.0, wait_until - time.monotonic())):
-            results.append(ours.recv())
-            if len(results) == 1:
-                wait_until = min(wait_until, time.monotonic() + ENOUGH_S)
-    except EOFError:
-        pass  # it died of a flight
-    finally:
-        process.kill()
-        process.join()
+    enough = math.inf
+    with closing(LocalEngine(1, wall_limit_s=LONGEST_S).imap(run_job, [jobs[0], *jobs])) as flown:
+        for _, result in flown:
+            if isinstance(result, Died):
+                break
+            results.append(result)
+            enough = min(enough, time.monotonic() + ENOUGH_S)
+            if time.monotonic() > enough:
+                break
     return results[1:] or results
-
-
-def _fly(pipe: Connection, jobs: Sequence[Job]) -> None:
-    for job in jobs:
-        pipe.send(run_job(job))
 
 
 def _asked(counted: Counted) -> dict[str, int]:

@@ -108,8 +108,6 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         unsaid["study"] = True
     if plan.planner == PlannerSpec():
         unsaid["planner"] = True
-    if not plan.study.part.flies:
-        unsaid["study"] = True
     if plain := {k: {"kind", "options"} for k, spec in enumerate(plan.obstacles) if spec.kind == "straight" and not spec.options}:
         unsaid["obstacles"] = plain
     for name in FlightSettings.model_fields:

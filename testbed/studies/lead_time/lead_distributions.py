@@ -34,7 +34,7 @@ def quantile(values: Sequence[float], share: float) -> Estimate:
     n = len(ordered)
     if not n:
         return Estimate(math.nan, math.nan, math.nan)
-    from scipy.stats import binom  # here, because it takes two seconds to import
+    from scipy.stats import binom  # here, because it takes over a second to import
 
     tail = 0.5 * (1.0 - CONFIDENCE)
     below, above = int(binom.ppf(tail, n, share)), int(binom.ppf(1.0 - tail, n, share)) + 1
