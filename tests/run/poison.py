@@ -186,7 +186,7 @@ KINDS = {
     "giant": "its result has 70 MB; at most 64 MB can be sent",
     "unpicklable": "Can't pickle local object",
     "unreadable": "its result cannot be read: ValueError",
-    "wordless": "ValueError: and this one cannot even be told",
+    "wordless": "_WordlessError: its text cannot be read (ValueError)",
 }
 """Each poison, and what its row says."""
 

@@ -3,6 +3,7 @@
 import json
 import math
 import random
+import time
 import tracemalloc
 from dataclasses import replace
 
@@ -229,9 +230,11 @@ def test_an_estimate_counts_what_is_stored_of_which_flight(tmp_path):
 
 
 def test_a_flight_of_the_sample_that_never_ends_is_told(monkeypatch):
-    jobs = [1]
-    monkeypatch.setattr(estimate, "LONGEST_S", 0.2)
-    assert estimate._flown(jobs) == []
+    monkeypatch.setattr(estimate, "run_job", time.sleep)
+    monkeypatch.setattr(estimate, "LONGEST_S", 0.5)
+    begun = time.monotonic()
+    assert estimate._flown([600.0]) == []
+    assert time.monotonic() - begun < 60.0
 
 
 def test_the_engine_of_the_tests_pulls_lazily():
