@@ -7,21 +7,23 @@ others: ``cap_gap`` measures it. Everything here takes ``boundary="paper"`` or `
 
 import math
 from collections.abc import Sequence
-from typing import Literal, get_args
+from typing import Literal, cast, get_args
 
 import numpy as np
 
-from vosc.cone import Cone, cone_of, loop_point, loops_of
-from vosc.encounter import Obstacle, Own, cone_margin
+from vosc.cone import Cone, cone_of, loop_point, loops_of, outside
+from vosc.critical_curve import Performance, cheapest
+from vosc.encounter import Obstacle, Own, cone_margin, threat
 from vosc.errors import WrongOption
 from vosc.free import nearest_free
-from vosc.spherical_cap import Cap, cap
+from vosc.spherical_cap import Cap, HalfAngle, Root, cap
 from vosc.turns import least_turn, level_circle
 from vosc.vec import FloatArray, Vec, along, array, combine, cross, direction, dot, norm, perpendicular, scale, three, unit
 
 Boundary = Literal["paper", "exact"]
-Objective = Literal["least_deflection", "least_climb_change", "right_of_way", "goal"]
+Objective = Literal["least_deflection", "least_climb_change", "right_of_way", "goal", "least_load_factor", "least_roll"]
 OBJECTIVES: tuple[str, ...] = get_args(Objective)
+SOON_S = 1e-3  # a turn is given at least so long
 
 
 def cap_cone(found: Cap) -> Cone:
@@ -30,20 +32,29 @@ def cap_cone(found: Cap) -> Cone:
     return Cone((0.0, 0.0, 0.0), centre, math.cos(gamma), math.sin(gamma))
 
 
-def boundaries(own: Own, obstacles: Sequence[Obstacle], boundary: Boundary) -> list[Cone] | None:
-    """The forbidden regions of the velocity sphere; ``None`` when one does not exist (inside a sphere, or no cap)."""
+def boundaries(
+    own: Own, obstacles: Sequence[Obstacle], boundary: Boundary, root: Root = "larger", half_angle: HalfAngle = "arcsine"
+) -> list[Cone] | None:
+    """The forbidden regions of the velocity sphere; ``None`` when one does not exist (inside a sphere, or no cap).
+
+    An obstacle that forbids no velocity of the own speed has no cap and needs none: it is left out. ``root`` and ``half_angle`` are
+    those of the caps (``vosc.spherical_cap``).
+    """
     if boundary not in ("paper", "exact"):
         raise WrongOption(f"boundary: 'paper' (circles of eq. 24-28) or 'exact', got {boundary!r}")
     cones: list[Cone] = []
     for o in obstacles:
-        if boundary == "exact":
-            cone = cone_of(own, o)
-        else:
-            found = cap(own, o)
-            cone = None if found is None else cap_cone(found)
-        if cone is None:
+        exact = cone_of(own, o)
+        if exact is None:
             return None
-        cones.append(cone)
+        if boundary == "exact":
+            cones.append(exact)
+            continue
+        found = cap(own, o, root, half_angle)
+        if found is not None:
+            cones.append(cap_cone(found))
+        elif loops_of(exact, norm(own.vel_mps)) or outside(exact, own.vel_mps) < 0.0:
+            return None
     return cones
 
 
@@ -127,6 +138,8 @@ def choose(
     - ``least_climb_change``: least change of climb angle; among equals the least change of azimuth.
     - ``right_of_way``: least deflection among the turns to the right (the rule for head-on and overtaking traffic).
     - ``goal``: least angle to the direction ``goal`` (three floats), which is taken itself where it is free.
+    - ``least_load_factor``, ``least_roll``: what costs the aircraft least, turning until the closest approach of the nearest in time
+      (``vosc.critical_curve``); from level wings.
 
     ``None`` when no velocity is free, or none to the right. ``WrongOption`` for an unknown objective or a missing goal. Three and
     more obstacles: the boundary is that of the union, and a crossing of two circles counts only where no third covers it (section
@@ -139,15 +152,26 @@ def choose(
     cones = boundaries(own, obstacles, boundary)
     if cones is None:
         return None
-    found = best_free(cones, own.vel_mps, objective, None if goal is None else three("goal", goal))
+    goal_mps = None if goal is None else three("goal", goal)
+    found = best_free(cones, own.vel_mps, objective, goal_mps, time_to_turn(own, obstacles))
     return None if found is None else array(found)
 
 
-def best_free(cones: Sequence[Cone], velocity_mps: Vec, objective: str, goal: Vec | None = None) -> Vec | None:
+def time_to_turn(own: Own, obstacles: Sequence[Obstacle]) -> float:
+    """Seconds until the first closest approach that lies ahead; infinite where none does."""
+    times = (threat(own, o).time_to_cpa_s for o in obstacles)
+    return max(min((t for t in times if t > 0.0), default=math.inf), SOON_S)
+
+
+def best_free(
+    cones: Sequence[Cone], velocity_mps: Vec, objective: str, goal: Vec | None = None, within_s: float = math.inf, bank_rad: float = 0.0
+) -> Vec | None:
     """``choose`` for given forbidden regions."""
     speed = norm(velocity_mps)
     if objective == "goal" and goal is not None:
         return nearest_free(cones, speed, goal)
+    if objective in get_args(Performance):
+        return cheapest(cones, velocity_mps, cast(Performance, objective), within_s, bank_rad)
     if objective == "right_of_way":
         left = unit((-velocity_mps[1], velocity_mps[0], 0.0))
         return nearest_free([*cones, Cone((0.0, 0.0, 0.0), left, 0.0, 1.0)] if norm(left) > 0.0 else cones, speed, velocity_mps)

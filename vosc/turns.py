@@ -140,7 +140,8 @@ def _still_held(held: Sequence[Cone], circle: Circle, sense: int, omega: float) 
         return False
     end = circle.at(sense * omega)
     bulge = 2.0 * norm(circle.ahead) * math.sin(0.5 * omega) * math.tan(0.5 * omega)
-    return any(-outside(cone, end) * norm(sub(end, cone.apex)) > bulge * (1.0 + ROUGH) + 1e-9 * norm(end) for cone in held)
+    convex = (cone for cone in held if cone.cos >= 0.0)  # a cap of more than half of the sphere is none
+    return any(-outside(cone, end) * norm(sub(end, cone.apex)) > bulge * (1.0 + ROUGH) + 1e-9 * norm(end) for cone in convex)
 
 
 def _stretches(side: FloatArray) -> tuple[FloatArray, BoolArray]:

@@ -20,8 +20,9 @@ from vosc.encounter import Obstacle, Own, relative_velocity
 from vosc.errors import WrongOption
 from vosc.free import nearest_free
 from vosc.methods.choice import Choice, Status, undefined
-from vosc.vec import FloatArray, Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
+from vosc.vec import SMALLEST_SINE, FloatArray, Vec, along, combine, cross, dot, norm, perpendicular, right_of, scale, sub, unit
 
+SETTLED = 1e-6  # of the speed: the least violation is found to this
 SURE = 1e-5  # shares above this: rounding is far below MARGIN
 
 
@@ -50,14 +51,23 @@ def half_space(own: Own, obstacle: Obstacle, responsibility: float, horizon_s: f
         size = norm(off)
         axis = unit(p)
         centred = size <= 1e-12 * max(norm(v), t * math.sqrt(distance2))
-        normal = perpendicular(axis, own.vel_mps, right_of(axis)) if centred else scale(1.0 / size, off)
-        if centred:  # on the axis every way out is equal: along the generatrix on that side
+        normal = _aside(axis, own.vel_mps) if centred else scale(1.0 / size, off)
+        if centred:  # on the axis every way out is equally long: along the generatrix on the side to which turning helps most
             sine = r / math.sqrt(distance2)
             normal = combine(math.sqrt(max(1.0 - sine * sine, 0.0)), normal, -sine, axis)
             size, t = 0.0, 0.0
             return HalfSpace(normal, dot(normal, own.vel_mps) + responsibility * norm(v) * sine)
         reach = r * t - size
     return HalfSpace(normal, dot(normal, own.vel_mps) + responsibility * reach)
+
+
+def _aside(axis: Vec, velocity: Vec) -> Vec:
+    """Unit vector across the axis and the velocity, upwards; where that is level, or the two are parallel, to the right."""
+    side = cross(unit(axis), unit(velocity)) if norm(velocity) > 0.0 else (0.0, 0.0, 0.0)
+    if norm(side) <= SMALLEST_SINE:
+        return perpendicular(axis, velocity, right_of(axis))
+    down = side[2] < 0.0 if abs(side[2]) > SMALLEST_SINE else dot(side, right_of(velocity)) < 0.0
+    return unit(scale(-1.0, side) if down else side)
 
 
 def nearest_in_ball(spaces: Sequence[HalfSpace], wanted: Vec, radius: float) -> Vec | None:
@@ -117,8 +127,9 @@ def orca(
 
     ``responsibility`` 1 takes the whole correction, 0.5 is the reciprocal half. ``horizon_s`` cuts the velocity obstacle off beyond
     that time. ``keep_speed`` asks for the present speed exactly, as a fixed-wing aircraft does; without it every speed up to the
-    present one is allowed, as in the original. ``undefined`` when the half-spaces have no common point of that speed.
-    ``WrongOption`` for a responsibility outside (0, 1] or a horizon that is not above 0.
+    present one is allowed, as in the original. Where the half-spaces have no common point of that speed they are all moved back by the
+    same least speed until they have one, as the authors do: the answer violates each by no more than it must; whether it is safe the
+    cones say. ``undefined`` only for an aircraft at rest. ``WrongOption`` for a responsibility outside (0, 1] or a horizon that is not above 0.
     """
     if not 0.0 < responsibility <= 1.0:
         raise WrongOption(f"responsibility: give a share in (0, 1], got {responsibility}")
@@ -127,10 +138,38 @@ def orca(
     scene, speed = scene_of(obstacles).threats, norm(own.vel_mps)
     if not keep_speed:
         point = nearest_in_ball([half_space(own, o, responsibility, horizon_s) for o in scene], own.vel_mps, speed)
-        return undefined(own) if point is None else Choice(point, Status.AVOIDED)
-    forbidden = None if speed == 0.0 else forbidden_circles(own, scene, responsibility, horizon_s)
-    found = None if forbidden is None else nearest_free(forbidden, speed, own.vel_mps)
-    return undefined(own) if found is None else Choice(found, Status.AVOIDED)
+    elif speed == 0.0:
+        return undefined(own)
+    else:
+        forbidden = forbidden_circles(own, scene, responsibility, horizon_s)
+        point = None if forbidden is None else nearest_free(forbidden, speed, own.vel_mps)
+    if point is None:
+        point = least_violating([half_space(own, o, responsibility, horizon_s) for o in scene], own.vel_mps, keep_speed)
+    return Choice(point, Status.AVOIDED)
+
+
+def least_violating(spaces: Sequence[HalfSpace], wanted: Vec, keep_speed: bool) -> Vec:
+    """The velocity that violates the worst of the half-spaces least, of the size of ``wanted`` or up to it; of equal ones the nearest.
+
+    ``wanted`` itself violates them by a known speed at most; half the interval is left at every step, to ``SETTLED`` of the speed.
+    """
+    speed, best = norm(wanted), wanted
+    low, high = 0.0, max(h.offset - dot(h.normal, wanted) for h in spaces)
+    while high - low > SETTLED * speed:
+        middle = 0.5 * (low + high)
+        moved = [HalfSpace(h.normal, h.offset - middle) for h in spaces]
+        found = _nearest_on_sphere(moved, wanted, speed) if keep_speed else nearest_in_ball(moved, wanted, speed)
+        if found is None:
+            low = middle
+        else:
+            best, high = found, middle
+    return best
+
+
+def _nearest_on_sphere(spaces: Sequence[HalfSpace], wanted: Vec, speed: float) -> Vec | None:
+    if any(h.offset > speed for h in spaces):
+        return None
+    return nearest_free([circle_of(h, speed) for h in spaces if h.offset > -speed], speed, wanted)
 
 
 def circle_of(space: HalfSpace, speed: float) -> Cone:
