@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from testbed.campaign.words.planning import completed
 from testbed.contracts.promise import Promise, first_broken
 from testbed.core.frames import vec3
 from testbed.core.seeds import stream
@@ -27,6 +28,7 @@ SPEED_MPS = 50.0
 
 def promises(_kind: str, method: Callable[..., Choice], options: Mapping[str, Any]) -> list[Promise]:
     """Everything that a direction method promises, tried in turn."""
+    options = completed(options, goal=lambda: (1.0, 0.0, 0.0))
     scenes = [(f"encounter {number}", drawn(number)) for number in range(SCENES)]
     every = [*scenes, *odd_scenes()]
 

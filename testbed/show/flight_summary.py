@@ -6,12 +6,13 @@ import numpy as np
 
 from testbed.core.frames import direction_deg
 from testbed.core.units import DEG, G0_MPS2
-from testbed.flight.record import Decision, FlightRecord, PlannedPath, ReplanEvent
+from testbed.flight.record import Decision, FlightRecord, PlannedPath, ReplanEvent, inside
 from testbed.results.columns import FlightMetrics
 from testbed.show import words
 from testbed.show.words import number
 
 Array = np.ndarray
+RIGHT_ANGLE = 90.0 * DEG
 
 LEGEND = """### Reading the pictures
 Scene: grey the original path, yellow the avoidance, green the way back, blue the trail flown; the aeroplane is drawn larger
@@ -105,8 +106,18 @@ def event_sentence(event: ReplanEvent) -> str:
         f"{event.obstacle}: {words.method(event.method)} re-planned, "
         f"alpha {event.alpha_rad / DEG:.1f} < alpha_0 {event.alpha0_rad / DEG:.1f} deg, "
         f"command ({azimuth:.1f}, {elevation:.1f}) deg, deflection {event.deflection_rad / DEG:.1f} deg, "
-        f"{path}"
+        f"{path}{path_told(event)}"
     )
+
+
+def path_told(event: ReplanEvent) -> str:
+    """What is wrong with the new path, after a comma; nothing where nothing is."""
+    told = []
+    if inside(event.path_clearance_m):
+        told.append(f"the path leads {number(-event.path_clearance_m, 1)} m inside a sphere")
+    if event.path_turns_rad > RIGHT_ANGLE:
+        told.append(f"it turns back by {number(event.path_turns_rad / DEG, 0)} deg")
+    return f", but {words.listed(told)}" if told else ""
 
 
 def summary_markdown(record: FlightRecord, metrics: FlightMetrics) -> str:
@@ -163,6 +174,7 @@ def _decision(event: ReplanEvent) -> list[str]:
         f"| command | {direction(event.command_enu_mps)} |",
         f"| deflection | {angle(event.deflection_rad)} |",
         f"| insertion point | ({point}) after {number(event.insertion_time_s, 2)} s |",
+        f"| the path keeps, turns by | {number(event.path_clearance_m, 1)} m, {number(event.path_turns_rad / DEG, 0)} deg |",
         f"| least radius to it | {number(radius_m(event.max_curvature_to_insertion_1pm), 0)} m |",
         f"| a level turn of it needs | {number(bank_deg, 0)} deg of bank, load factor {number(load, 2)} |",
     ]

@@ -31,6 +31,12 @@ METHODS: dict[str, dict[str, Any]] = {  # every option of every method: a value 
         "goal": ([1.0, 0.0, 0.0], [1.0, 0.0]),
         "corners_only": (True, 1),
         "consider": ("all", "some"),
+        "root": ("nearer", "first"),
+        "half_angle": ("corrected", "obtuse"),
+        "bearing_deg": (30.0, math.inf),
+        "component": ("x", "w"),
+        "component_mps": (40.0, math.inf),
+        "bank_rad": (0.2, "level"),
     },
     "least_deflection": {"speed_range_mps": ([45, 55], [55, 45])},
     "droam_hp": {"side": ("left", "up")},
@@ -40,7 +46,12 @@ METHODS: dict[str, dict[str, Any]] = {  # every option of every method: a value 
     "potential_field": {"gain": (2.0, 0.0), "reach": (6.0, -1.0), "goal": ([1.0, 0.5, 0.0], [0, 0, 0, 0])},
     "orca": {"responsibility": (0.5, 1.5), "horizon_s": (20.0, 0.0), "keep_speed": (False, 0)},
 }
-BESIDE = {("scoam", "goal"): {"objective": "goal"}}  # what an option needs beside it
+BESIDE: dict[tuple[str, str], dict[str, Any]] = {
+    ("scoam", "goal"): {"objective": "goal"},
+    ("scoam", "component"): {"component_mps": 40.0},
+    ("scoam", "component_mps"): {"component": "x"},
+    ("scoam", "bank_rad"): {"objective": "least_roll"},
+}  # what an option needs beside it
 CASES = [(method, name) for method, of_method in METHODS.items() for name in of_method]
 
 

@@ -117,3 +117,22 @@ def test_major_obstacle_is_the_one_with_the_least_time_of_section_4_3_2():
     assert major_obstacle(own, [near, still]) == (0, 4.0)
     assert major_obstacle(own, [still]) is None
     assert major_obstacle(own, []) is None
+
+
+def test_behind_the_obstacle_as_the_sentence_says(table_1):
+    own, obstacle = table_1("direction_106_10")
+    ahead, behind = insertion_point(own, obstacle), insertion_point(own, obstacle, side="behind")
+    course = np.array(obstacle.vel_mps) / np.linalg.norm(obstacle.vel_mps)
+    for found, sign in ((ahead, 1.0), (behind, -1.0)):  # the obstacle's centre is k R from the point when the aircraft is there
+        centre = np.array(obstacle.pos_m) + found.time_s * np.array(obstacle.vel_mps)
+        np.testing.assert_allclose(found.point_m - centre, sign * 1.25 * 25 * course, atol=1e-9)
+        assert np.linalg.norm(found.point_m - np.array(own.pos_m)) == pytest.approx(50 * found.time_s)
+
+
+def test_overtaken_from_behind_the_first_time_lies_behind():
+    own, obstacle = Own((0, 0, 0), (50, 0, 0)), Obstacle((-150, 0, 0), (80, 0, 0), 25)
+    smallest, forward = insertion_point(own, obstacle), insertion_point(own, obstacle, root="forward")
+    # on one line: -150 + 31.25 + 80 t = -50 t, or 50 t
+    assert (smallest.time_s, smallest.point_m[0]) == pytest.approx((118.75 / 130, -50 * 118.75 / 130))
+    assert (forward.time_s, forward.point_m[0]) == pytest.approx((118.75 / 30, 50 * 118.75 / 30))
+    assert insertion_point(own, Obstacle((-150, 0, 0), (30, 0, 0), 25), root="forward") is None

@@ -353,7 +353,8 @@ def test_wrong_names_and_options_say_what_to_do(table_1, method, options, messag
 
 
 def test_options_are_those_of_the_functions():
-    assert OPTIONS["scoam"] == {"boundary", "objective", "goal", "corners_only", "consider"}
+    scoam = "boundary objective goal corners_only consider root half_angle bearing_deg component component_mps bank_rad"
+    assert OPTIONS["scoam"] == set(scoam.split())
     assert OPTIONS["none"] == frozenset()
 
 

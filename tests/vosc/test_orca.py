@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 from vosc import Obstacle, Own
 from vosc.methods import avoid
-from vosc.methods.orca import half_space, nearest_in_ball
+from vosc.methods.orca import half_space, least_violating, nearest_in_ball
 
 
 def nearest_on_the_cone(own, obstacle, horizon_s, n=400):
@@ -119,13 +119,61 @@ def test_slower_speeds_are_allowed_without_keep_speed(table_1):
     assert change[0] <= change[1] + 1e-9
 
 
+def squeezed(rng, count):
+    """Spheres that close in from all sides, so that the half-spaces seldom have a common point."""
+    out = rng.normal(size=(count, 3))
+    out *= (rng.uniform(40, 120, count) / np.linalg.norm(out, axis=1))[:, None]
+    return [Obstacle(tuple(p), tuple(-p * rng.uniform(0.2, 0.6) + 8 * rng.normal(size=3)), 30.0) for p in out]
+
+
+def violation(spaces, v):
+    return max(h.offset - np.dot(h.normal, v) for h in spaces)
+
+
+def test_where_there_is_no_common_point_the_worst_is_violated_least(brute):
+    """Of all speeds against a minimax of scipy; at one speed against a dense sampling of the sphere."""
+    rng, tried = np.random.default_rng(11), 0
+    own = Own((0, 0, 0), (50, 0, 0))
+    turns, bearings = (a.ravel() for a in np.meshgrid(np.linspace(0, np.pi, 181), np.linspace(0, 2 * np.pi, 360)))
+    sphere = brute.around(own)(turns, bearings)
+    while tried < 12:
+        obstacles = squeezed(rng, int(rng.integers(5, 10)))
+        spaces = [half_space(own, o, 1.0, math.inf) for o in obstacles]
+        if nearest_in_ball(spaces, own.vel_mps, 50.0) is not None:
+            continue
+        tried += 1
+        within = minimize(
+            lambda x: x[3],
+            np.array([0.0, 0.0, 0.0, 100.0]),
+            constraints=[{"type": "ineq", "fun": lambda x, h=h: np.dot(h.normal, x[:3]) + x[3] - h.offset} for h in spaces]
+            + [{"type": "ineq", "fun": lambda x: 2500.0 - x[:3] @ x[:3]}],
+            method="SLSQP",
+        )
+        assert within.success
+        assert violation(spaces, least_violating(spaces, own.vel_mps, keep_speed=False)) == pytest.approx(within.x[3], abs=2e-3)
+        found = least_violating(spaces, own.vel_mps, keep_speed=True)
+        assert np.linalg.norm(found) == pytest.approx(50.0)
+        sampled = np.max([h.offset - sphere @ np.array(h.normal) for h in spaces], axis=0).min()
+        assert violation(spaces, found) <= sampled + 1e-3
+        np.testing.assert_array_equal(avoid("orca", own, obstacles).velocity_mps, found)
+
+
+def test_pinched_from_both_sides_it_climbs():
+    """Two spheres meet the aircraft at one place from left and right, on exact collision courses."""
+    own = Own((500, 0, 0), (50, 0, 0))
+    pair = [Obstacle((700, s * 200.0, 0), (0, -s * 50.0, 0), 33) for s in (-1, 1)]
+    answer = avoid("orca", own, pair)
+    assert answer.status == "avoided"
+    assert answer.velocity_mps[2] > 5.0
+
+
 @pytest.mark.skipif(importlib.util.find_spec("rvo23d") is None, reason="the optional package jt-pyrvo23d is not installed")
 def test_against_rvo2_3d(scenes):
     import rvo23d
 
     rng = np.random.default_rng(24)
-    for _ in range(40):
-        own, obstacles = scenes.encounter(rng, int(rng.integers(1, 5)))
+    for k in range(60):
+        own, obstacles = scenes.encounter(rng, int(rng.integers(1, 5))) if k < 40 else (Own((0, 0, 0), (50, 0, 0)), squeezed(rng, 8))
         sim = rvo23d.PyRVOSimulator(1 / 60, 1e4, 50, 4.0, 0.0, 50.0)
         me = sim.addAgent(tuple(own.pos_m), 1e4, 50, 4.0, 0.0, 50.0, tuple(own.vel_mps))
         for o in obstacles:
@@ -134,5 +182,8 @@ def test_against_rvo2_3d(scenes):
         sim.doStep()
         spaces = [half_space(own, o, 0.5, 4.0) for o in obstacles]
         mine = nearest_in_ball(spaces, own.vel_mps, 50.0)
+        theirs = sim.getAgentVelocity(me)
         if mine is not None:
-            np.testing.assert_allclose(sim.getAgentVelocity(me), mine, atol=2e-2)
+            np.testing.assert_allclose(theirs, mine, atol=2e-2)
+        else:
+            assert violation(spaces, least_violating(spaces, own.vel_mps, keep_speed=False)) <= violation(spaces, theirs) + 1e-3

@@ -128,8 +128,8 @@ def orca(
     ``responsibility`` 1 takes the whole correction, 0.5 is the reciprocal half. ``horizon_s`` cuts the velocity obstacle off beyond
     that time. ``keep_speed`` asks for the present speed exactly, as a fixed-wing aircraft does; without it every speed up to the
     present one is allowed, as in the original. Where the half-spaces have no common point of that speed they are all moved back by the
-    same least speed until they have one, as the authors do: the answer violates each by no more than it must; whether it is safe the
-    cones say. ``undefined`` only for an aircraft at rest. ``WrongOption`` for a responsibility outside (0, 1] or a horizon that is not above 0.
+    same least speed until they have one, as the authors do: the worst is violated least; whether the answer is safe the cones say.
+    ``undefined`` only for an aircraft at rest. ``WrongOption`` for a responsibility outside (0, 1] or a horizon that is not above 0.
     """
     if not 0.0 < responsibility <= 1.0:
         raise WrongOption(f"responsibility: give a share in (0, 1], got {responsibility}")

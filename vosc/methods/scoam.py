@@ -47,7 +47,7 @@ def scoam(
     ``undefined`` when a cap or critical velocity does not exist, or no point qualifies. ``WrongOption`` for options that do not go
     together.
     """
-    _need_one_choice(consider, objective, goal, corners_only, bearing_deg, component, component_mps)
+    _need_one_choice(consider, half_angle, objective, goal, corners_only, bearing_deg, component, component_mps)
     if consider == "threats":
         obstacles = scene_of(obstacles).threats.in_their_cones(own)
     chosen = objective is not None or bearing_deg is not None or component is not None
@@ -76,6 +76,7 @@ def scoam(
 
 def _need_one_choice(
     consider: str,
+    half_angle: str,
     objective: str | None,
     goal: object,
     corners_only: bool,
@@ -86,6 +87,8 @@ def _need_one_choice(
     """Raises ``WrongOption`` in words."""
     if consider not in ("threats", "all"):
         raise WrongOption(f"consider: 'threats' or 'all', got {consider!r}")
+    if half_angle not in get_args(HalfAngle):
+        raise WrongOption(f"half_angle: one of {', '.join(get_args(HalfAngle))}, got {half_angle!r}")
     if objective is not None and objective not in OBJECTIVES:
         raise WrongOption(f"objective: one of {', '.join(OBJECTIVES)}, got {objective!r}")
     if (goal is not None) != (objective == "goal"):

@@ -1,15 +1,28 @@
 """What a campaign may say of the planner: what it sees, who plans, by which method, how the flight comes back."""
 
 import inspect
+import math
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Magnitude
+from testbed.core.frames import Vec3
 from testbed.core.section import Between, Distance, Duration, NonNegative, Number, Range, Section
 from vosc import Obstacle, Own
 from vosc.methods import checked_choice
+
+
+def completed(options: Mapping[str, Any], goal: Callable[[], Vec3], bank_rad: float = 0.0) -> dict[str, Any]:
+    """Options of a method with what its objective needs and the campaign need not say: the direction of the route's goal, the bank."""
+    objective = options.get("objective")
+    if objective == "goal" and options.get("goal") is None:
+        return {**options, "goal": goal()}
+    if objective == "least_roll" and "bank_rad" not in options and math.isfinite(bank_rad):
+        return {**options, "bank_rad": bank_rad}
+    return dict(options)
 
 
 class Sensor(Pluggable):
@@ -65,7 +78,7 @@ class MethodSpec(Pluggable):
             cls._has_all(made, type(made))
         else:
             own, obstacle = Own((0.0, 0.0, 0.0), (50.0, 0.0, 0.0)), Obstacle((100.0, 0.0, 0.0), (0.0, 0.0, 0.0), 25.0, is_threat=True)
-            checked_choice(part(own, (obstacle,), **options))
+            checked_choice(part(own, (obstacle,), **completed(options, goal=lambda: own.vel_mps)))
 
 
 class Rejoin(Section):
@@ -96,6 +109,12 @@ class Replan(Section):
     """The insertion point lies k radii ahead of the obstacle's centre, along its velocity (eq. 35)."""
     time_rule: Literal["arrival", "paper_4_3_2"] = "arrival"
     """When the insertion point is reached: arrival (own travel time to it) or the rule of section 4.3.2."""
+    insertion_side: Literal["ahead", "behind"] = "ahead"
+    """Where the insertion point lies from the obstacle's centre: ahead on its course (eq. 35), or behind it (the words of section
+    4.3.1)."""
+    arrival_root: Literal["smallest", "forward"] = "smallest"
+    """Of the times at which the aircraft could meet the insertion point: the smallest, or the first whose point lies ahead of the
+    aircraft; against a faster obstacle from behind the smallest may lie behind."""
     swell_m: Distance = 0.0
     """Added to the radius of every obstacle that the planner knows; clearance is still counted from the radius itself, m."""
     horizon_s: Duration = 10.0

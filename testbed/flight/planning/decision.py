@@ -1,20 +1,26 @@
 """What a decision of the planner is remembered by: its inputs and its result, whatever it was."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from testbed.campaign.words.planning import Replan
 from testbed.core.frames import Vec3, vec3
-from testbed.flight.record import Decision, ReplanEvent
+from testbed.flight.planning.rejoin import miss_along
+from testbed.flight.record import Decision, PathFault, ReplanEvent, inside
 from testbed.flight.route.path import ActivePath
 from testbed.flight.sensing.base import Seen
 from vosc import Insertion, Obstacle, Own, Threat, cap, threat
-from vosc.methods import Avoidance
-from vosc.vec import add, along, sub
+from vosc.methods import Avoidance, Status
+from vosc.vec import add, along, angle, norm, sub
 
 NAN = math.nan
 NO_POINT: Vec3 = (NAN, NAN, NAN)
+LOOKED_AT = np.linspace(0.0, 1.0, 33)  # shares of the piece to the insertion point
+RIGHT_ANGLE = 0.5 * math.pi
 
 
 class Sighting(NamedTuple):
@@ -88,3 +94,17 @@ def make_event(
         planned_length_m=path.length_m if path else NAN,
         wind_known_enu_mps=wind,
     )
+
+
+def judged(event: ReplanEvent, path: ActivePath, seen: Sequence[Seen]) -> ReplanEvent:
+    """The event of a new path with what the path is worth, flown at the present speed over the ground.
+
+    The direction may be free and the path to it not: then the event says so, and not that the threat is avoided.
+    """
+    speed = norm(event.own_vel_enu_mps)
+    clearance = min(miss_along(path, 0.0, speed, event.time_s, [one]) - one.radius_m for one in seen)
+    first = path.curves[0]
+    turns = max(angle(event.own_vel_enu_mps, vec3(t)) for t in first.tangents(LOOKED_AT * first.length_m))
+    fault = PathFault.LEADS_THROUGH if inside(clearance) else PathFault.TURNS_BACK if turns > RIGHT_ANGLE else None
+    said = fault if fault and event.status == Status.AVOIDED else event.status
+    return replace(event, status=said, path_clearance_m=clearance, path_turns_rad=turns)

@@ -26,14 +26,16 @@ all this with the velocities over the ground, as if the present ground speed cou
 import inspect
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from time import thread_time
 from typing import Any, NamedTuple
 
+from testbed.campaign.words.planning import completed
 from testbed.core.chain import FEW
 from testbed.core.frames import Vec3, vec3
 from testbed.flight.impossible import NoWayError
 from testbed.flight.planning.context import STILL, Answer, Context, Step
-from testbed.flight.planning.decision import Sighting, carried, make_event
+from testbed.flight.planning.decision import Sighting, carried, judged, make_event
 from testbed.flight.planning.rejoin import Rejoin, Way, joined, miss_along, ray
 from testbed.flight.planning.steering import SteeringLaw, arc
 from testbed.flight.planning.watch import Watch
@@ -43,7 +45,7 @@ from testbed.flight.route.path import ActivePath, Path
 from testbed.flight.sensing.base import Seen
 from vosc import Insertion, Own, insertion_point
 from vosc.methods import Avoidance, Status, avoid
-from vosc.vec import add, norm, sub
+from vosc.vec import add, dot, norm, scale, sub
 
 HELD_ON_S = 1.0  # so long before its end a path that is held is left, whatever the way back
 AGAIN_S = 0.5  # after so long a way back to a route of many pieces is looked for again: the search takes long
@@ -123,27 +125,32 @@ class Replanner:
             decision = Decision.STEERED
             memory = memory._replace(law=(self._law.start(self._context),), hold_from_s_m=-math.inf, ahead_m=math.nan)
         else:
-            answer, insertion, way, decision = self._avoided(own, wind, sightings, major, memory.left_s_m)
+            goal = partial(heading_for, sub(self._context.goal, own.pos_m), norm(own.vel_mps), wind)
+            options = completed(self._context.method.options, goal, state.bank)
+            answer, insertion, way, decision = self._avoided(own, wind, sightings, major, memory.left_s_m, options)
             new = ActivePath(way.curves) if way else None
             if way and new:
                 holds = insertion is None or self._settings.rejoin.when == "clear"
                 memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf, ahead_m=way.ahead_m)
         self.slowest_s = max(self.slowest_s, thread_time() - began)
         event = make_event(time_s, decision, kind, own, major, answer, insertion, new, wind, passing, status=Decision.STEERED)
+        if new is not None:
+            event = judged(event, new, [sighting.seen for sighting in sightings])
         if memory.law is not None:
             return self._steer(memory, time_s, state, [sighting.seen for sighting in sightings], s_m)._replace(event=event)
         return Step(memory, new, event)
 
     def _avoided(
-        self, own: Own, wind: Vec3, sightings: Sequence[Sighting], major: Sighting, left_s_m: float
+        self, own: Own, wind: Vec3, sightings: Sequence[Sighting], major: Sighting, left_s_m: float, options: Mapping[str, Any]
     ) -> tuple[Avoidance, Insertion | None, Way | None, Decision]:
         """The method's answer, the insertion point, the way through it, and what was decided."""
-        settings, (kind, method, options) = self._settings, self._context.method
+        settings, (kind, method, _) = self._settings, self._context.method
         answer = avoid(method, own, [sighting.obstacle for sighting in sightings], **options)
         if kind == "none" or answer.status not in (Status.AVOIDED, Status.UNSAFE):
             return answer, None, None, Decision.NONE if kind == "none" else Decision(answer.status)
         direct = settings.answer == "direct"
-        insertion = None if direct else insertion_point(own, major.obstacle, settings.k, settings.time_rule)
+        rule = (settings.k, settings.time_rule, settings.insertion_side, settings.arrival_root)
+        insertion = None if direct else insertion_point(own, major.obstacle, *rule)
         way = self._way(own, answer, insertion, wind, left_s_m) if direct or insertion else None
         decision = Decision.REPLANNED if way else Decision.NO_PATH if direct or insertion else Decision.NO_INSERTION_POINT
         return answer, insertion, way, decision
@@ -197,6 +204,17 @@ class Replanner:
         passing = miss_along(path, 0.0, norm((state.vx, state.vy, state.vz)), time_s, known)
         event = make_event(time_s, Decision.REJOINED, self._context.method.kind, own, sighting, None, None, path, wind, passing)
         return Step(memory._replace(hold_from_s_m=math.inf, law=None, ahead_m=way.ahead_m), path, event)
+
+
+def heading_for(way: Vec3, airspeed_mps: float, wind: Vec3) -> Vec3:
+    """The direction through the air that leads over the ground along ``way``; ``way`` itself where the wind is too strong for that."""
+    size = norm(way)
+    if size == 0.0 or not airspeed_mps > 0.0:
+        return way if size > 0.0 else (0.0, 0.0, 1.0)
+    on = scale(1.0 / size, way)
+    with_it = dot(on, wind)
+    left = airspeed_mps**2 - dot(wind, wind) + with_it**2
+    return sub(scale(with_it + math.sqrt(left), on), wind) if left > 0.0 else on
 
 
 def time_of_collision(own: Own, sighting: Sighting) -> float:

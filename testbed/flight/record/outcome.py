@@ -35,6 +35,13 @@ class Decision(StrEnum):
     UNDEFINED = "undefined"
 
 
+class PathFault(StrEnum):
+    """What a new path is although its direction is free: an event's status, in the place of ``avoided``."""
+
+    LEADS_THROUGH = "leads_through_the_sphere"  # flown as planned it comes inside a radius
+    TURNS_BACK = "turns_back"  # by more than a right angle from the present velocity
+
+
 AVOIDING = frozenset({Decision.REPLANNED, Decision.STEERED, Decision.PLANNED})
 """Decisions by which a flight left the path that it was on."""
 NEW_PATH = AVOIDING | {Decision.REJOINED}

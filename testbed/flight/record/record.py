@@ -43,7 +43,7 @@ class ReplanEvent:
     obstacle: str
     decision: Decision
     method: str
-    status: str  # of the method, a ``Status``; the decision where a law or a planner of somebody's own made it
+    status: str  # of the method, a ``Status``, or the ``PathFault`` of its path; the decision where a law or somebody's planner made it
     own_pos_enu_m: Vec3
     own_vel_enu_mps: Vec3
     obstacle_pos_enu_m: Vec3
@@ -68,6 +68,8 @@ class ReplanEvent:
     planned_length_m: float  # of the new path
     wind_known_enu_mps: Vec3 = (0.0, 0.0, 0.0)  # what the planner took for the wind; cap, command's size, deflection and insertion
     # rule are those of the velocities less this wind, while the velocities here are over the ground
+    path_clearance_m: float = math.nan  # least clearance from all in sight along the new path, flown at the present ground speed
+    path_turns_rad: float = math.nan  # greatest angle of the new path, up to the insertion point, from the present velocity
 
 
 @dataclass(frozen=True)
