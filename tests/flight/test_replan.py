@@ -11,6 +11,7 @@ from testbed.flight.planning.rejoin import resized
 from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.base import State
 from testbed.flight.sensing import Seen
+from testbed.show.flight_summary import event_sentence
 from tests.plans import KINEMATIC, paper_obstacle, plan
 from vosc import Obstacle, Own, threat
 
@@ -96,3 +97,91 @@ def test_the_paper_s_time_rule() -> None:
 
 def test_resized() -> None:
     assert resized((3.0, 0.0, 4.0), 10.0) == pytest.approx((6.0, 0.0, 8.0))
+
+
+OVERTAKEN = sphere("O", [-150, 0, 0], 80, [0, 0], 25.0)
+
+
+@pytest.mark.parametrize(
+    ("settings", "status", "turns_deg"),
+    [
+        ({"replan": {"answer": "insertion_point"}}, "leads_through_the_sphere", 178.8),  # the point lies behind, on the obstacle's course
+        ({"replan": {"answer": "direct"}}, "turns_back", 154.94),  # the larger root of eq. 13
+        ({"replan": {"answer": "direct"}, "method": {"kind": "scoam", "options": {"root": "nearer"}}}, "avoided", 5.872),
+        ({"replan": {"answer": "direct"}, "method": {"kind": "least_deflection"}}, "avoided", 5.872),
+    ],
+)
+def test_avoided_is_not_said_of_a_path_that_leads_through_or_turns_back(settings: dict, status: str, turns_deg: float) -> None:
+    record = flown(OVERTAKEN, sensor={"range_m": 200}, **settings)
+    event = record.events[0]
+    assert event.decision == "replanned"
+    assert event.status == status
+    assert math.degrees(event.path_turns_rad) == pytest.approx(turns_deg, abs=0.1)
+    # the point on rails flies the path as planned: what the event foretells comes true
+    assert measure(record).least_clearance_m == pytest.approx(event.path_clearance_m, abs=0.01)
+    assert ("turns back by" in event_sentence(event)) == (turns_deg > 90)
+    assert ("inside a sphere" in event_sentence(event)) == (status == "leads_through_the_sphere")
+
+
+def test_the_first_time_ahead_is_an_option() -> None:
+    (event, *_) = flown(OVERTAKEN, sensor={"range_m": 200}, replan={"arrival_root": "forward"}).events
+    assert event.insertion_enu_m[0] == pytest.approx(50 * 118.75 / 30)  # -150 + 31.25 + 80 t = 50 t
+
+
+def test_the_point_behind_the_obstacle_is_an_option() -> None:
+    ahead, behind = (
+        fly(plan(obstacles=[paper_obstacle()], begin={"at_route_s_m": 122}, replan={"insertion_side": side}, **KINEMATIC)).events[0]
+        for side in ("ahead", "behind")
+    )
+    assert ahead.obstacle_vel_enu_mps == behind.obstacle_vel_enu_mps
+    course = [v / 40 for v in ahead.obstacle_vel_enu_mps]
+    for event, sign in ((ahead, 1.0), (behind, -1.0)):
+        places = (event.insertion_enu_m, event.obstacle_pos_enu_m, event.obstacle_vel_enu_mps)
+        along = [q - p - v * event.insertion_time_s for q, p, v in zip(*places, strict=True)]
+        assert along == pytest.approx([sign * 1.25 * 25 * c for c in course], abs=1e-6)
+
+
+def test_a_known_obstacle_that_is_no_threat_is_considered_when_asked() -> None:
+    """It waits where the answer to the threat would lead; only with ``consider: all`` the answer goes round it."""
+    threat_, seen = sphere("O", [250, 0, 0], 40, [180, 0]), {"sensor": {"range_m": 300}, "replan": {"answer": "direct"}}
+    lone = flown(threat_, **seen).events[0]
+    way = [c / 50 for c in lone.command_enu_mps]
+    bystander = sphere("B", [200 * c for c in way], 0, [0, 0], 12.0)
+    only_threats = flown(threat_, bystander, **seen)
+    both = flown(threat_, bystander, method={"kind": "scoam", "options": {"consider": "all"}}, **seen)
+    assert only_threats.events[0].command_enu_mps == lone.command_enu_mps
+    assert only_threats.events[0].status == "leads_through_the_sphere"
+    assert both.events[0].command_enu_mps != lone.command_enu_mps
+    assert both.events[0].path_clearance_m > -1e-6
+    assert [event.obstacle for event in both.events if event.decision == "replanned"] == ["O"]
+
+
+@pytest.mark.parametrize("wind", [{}, {"air": {"wind": {"kind": "steady", "speed_mps": 10, "from_deg": 200}}}])
+def test_the_goal_is_the_route_s_unless_told_otherwise(wind: dict) -> None:
+    """A direction to the goal that is free is taken as it is, over the ground also in a wind."""
+    aside = {"route": STRAIGHT | {"goal_enu_m": [900, 300, 0]}, "obstacles": [sphere("O", [160, 0, 0], 0, [0, 0], 10.0)]}
+    method = {"kind": "scoam", "options": {"objective": "goal", "boundary": "exact"}}
+    record = fly(plan(method=method, replan={"answer": "direct"}, sensor={"range_m": 200}, **aside, **KINEMATIC, **wind))
+    event = record.events[0]
+    to_goal = [g - p for g, p in zip((900, 300, 0), event.own_pos_enu_m, strict=True)]
+    ratio = event.command_enu_mps[1] / event.command_enu_mps[0]
+    assert ratio == pytest.approx(to_goal[1] / to_goal[0], rel=1e-6)
+
+
+def test_a_point_on_the_curve_by_what_it_asks_of_the_aircraft() -> None:
+    """In a bank to the right the least roll is a turn to that side; the planner knows the bank."""
+    events = [
+        fly(
+            plan(
+                obstacles=[paper_obstacle()],
+                begin={"at_route_s_m": 122},
+                method={"kind": "scoam", "options": {"objective": objective}},
+                plant={"kind": "point_mass"},
+                aircraft="gtm_t2",
+            )
+        ).events[0]
+        for objective in ("least_deflection", "least_roll", "least_load_factor")
+    ]
+    assert all(event.status in ("avoided", "unsafe", "leads_through_the_sphere") for event in events)
+    assert len({event.command_enu_mps for event in events}) == 3
+    assert events[0].deflection_rad <= min(event.deflection_rad for event in events) + 1e-9
