@@ -15,7 +15,7 @@ from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
 from testbed.campaign.words.grid import PART, Part
 from testbed.campaign.words.limits import Limits
-from testbed.campaign.words.planning import PlannerSpec
+from testbed.campaign.words.planning import PlannerSpec, Replan
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.population import NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings, Vary
@@ -69,6 +69,10 @@ def sizes(campaign: Campaign) -> dict[str, tuple[int, int]]:
     return {block.part: ((cells := block.left()), cells * (parts[block.part].replicates or 1)) for block in blocks}
 
 
+SAID_LATER = ("insertion_side", "arrival_root")
+"""Settings of ``replan`` that there were not always: a flight that keeps their defaults has the id that it had without them."""
+
+
 def _tree_of(campaign: Campaign) -> Tree:
     """What ``blocks_of`` reads, of a campaign that may never have been text."""
     keys = ("sweep", "skip", "draw")
@@ -110,6 +114,8 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         unsaid["planner"] = True
     if plain := {k: {"kind", "options"} for k, spec in enumerate(plan.obstacles) if spec.kind == "straight" and not spec.options}:
         unsaid["obstacles"] = plain
+    if as_before := {name for name in SAID_LATER if getattr(plan.replan, name) == Replan.model_fields[name].default}:
+        unsaid["replan"] = as_before
     for name in FlightSettings.model_fields:
         section = getattr(plan, name)
         if isinstance(section, Pluggable) and name not in ("method", *unsaid) and not section.options:
