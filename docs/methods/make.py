@@ -120,7 +120,11 @@ def encounter(rng: np.random.Generator, count: int) -> tuple[Own, list[Obstacle]
 
 
 CASES: list[tuple[str, dict[str, object]]] = [(m, {}) for m in METHODS]
-CASES.insert(2, ("scoam", {"boundary": "exact", "consider": "all"}))
+CASES[2:2] = [
+    ("scoam", {"root": "nearer", "half_angle": "corrected"}),
+    ("scoam", {"consider": "all"}),
+    ("scoam", {"boundary": "exact", "consider": "all"}),
+]
 
 
 @dataclass

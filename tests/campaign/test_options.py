@@ -44,6 +44,10 @@ METHODS: dict[str, dict[str, Any]] = {  # every option of every method: a value 
     "planes": {"n": (6, 0), "offset_rad": (0.1, math.inf)},
     "random_planes": {"n": (6, 10**9), "seed": (3, -1)},
     "potential_field": {"gain": (2.0, 0.0), "reach": (6.0, -1.0), "goal": ([1.0, 0.5, 0.0], [0, 0, 0, 0])},
+    "one_plane": {"plane": ("vertical", "slanted")},
+    "outward_search": {"step_deg": (2.0, 0.0), "bearings": (24, 3)},
+    "tangent_lyapunov": {"standoff": (1.5, 0.5)},
+    "interfered_fluid": {"rho": (2.0, 0.0), "sigma": (2.0, 100.0)},
     "orca": {"responsibility": (0.5, 1.5), "horizon_s": (20.0, 0.0), "keep_speed": (False, 0)},
 }
 BESIDE: dict[tuple[str, str], dict[str, Any]] = {

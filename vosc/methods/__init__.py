@@ -29,12 +29,16 @@ from vosc.errors import WrongAnswer, WrongOption
 from vosc.methods.choice import Choice, Status
 from vosc.methods.differential_geometry import differential_geometry
 from vosc.methods.droam import droam_hp, droam_vp
+from vosc.methods.interfered_fluid import interfered_fluid
 from vosc.methods.least_deflection import least_deflection
 from vosc.methods.none import none
+from vosc.methods.one_plane import one_plane
 from vosc.methods.orca import orca
+from vosc.methods.outward_search import outward_search
 from vosc.methods.planes import planes, random_planes
 from vosc.methods.potential_field import potential_field
 from vosc.methods.scoam import scoam
+from vosc.methods.tangent_lyapunov import tangent_lyapunov
 from vosc.vec import FloatArray, array, deflection, three
 
 __all__ = ["CHOICES", "MARGIN_RAD", "METHODS", "OPTIONS", "Avoidance", "Choice", "Method", "Status", "avoid", "checked_choice"]
@@ -52,6 +56,10 @@ METHODS: Final[dict[str, Method]] = {
     "potential_field": potential_field,
     "differential_geometry": differential_geometry,
     "orca": orca,
+    "one_plane": one_plane,
+    "outward_search": outward_search,
+    "tangent_lyapunov": tangent_lyapunov,
+    "interfered_fluid": interfered_fluid,
 }
 
 OPTIONS: Final[dict[str, frozenset[str]]] = {
