@@ -132,11 +132,18 @@ def method_calls(draws):
         ("scoam", {"consider": "all", "objective": "least_climb_change"}),
         ("scoam", {"consider": "all", "objective": "goal", "goal": draws.vector()}),
         ("scoam", {"consider": "all", "corners_only": True}),
+        ("scoam", {"consider": "all", "root": "nearer", "half_angle": "corrected"}),
+        ("scoam", {"bearing_deg": draws.number(90.0)}),
+        ("scoam", {"component": "z", "component_mps": draws.number(10.0)}),
+        ("scoam", {"objective": "least_roll", "half_angle": "corrected", "bank_rad": draws.number(1.0)}),
         ("orca", {"horizon_s": draws.size(5.0)}),
         ("orca", {"keep_speed": False}),
         ("orca", {"responsibility": 0.5}),
         ("least_deflection", {"speed_range_mps": (draws.size(), draws.size(60.0))}),
         ("potential_field", {"gain": draws.size(1.0), "reach": draws.size(4.0), "goal": draws.vector()}),
+        ("one_plane", {"plane": "vertical"}),
+        ("one_plane", {"plane": "horizontal"}),
+        ("interfered_fluid", {"rho": 0.05, "sigma": 20.0}),
         ("planes", {"n": int(draws.rng.integers(1, 30)), "offset_rad": draws.number(1.0)}),
     ]
 
@@ -158,6 +165,7 @@ def encounter(log, draws):
             log.tried(call.__name__, lambda call=call, o=o: call(own, o))
         for drawn in (boundary_curves, cap_gap):
             log.tried(drawn.__name__, lambda drawn=drawn, o=o: drawn(own, o, n=12))
+        log.tried("insertion_point behind", lambda o=o: insertion_point(own, o, 1.0 + draws.size(1.0), "arrival", "behind", "forward"))
         log.tried("insertion_point as printed", lambda o=o: insertion_point(own, o, 1.0 + draws.size(1.0), "paper_4_3_2"))
         log.tried("cone_margin", lambda o=o: cone_margin(own.pos_m, own.vel_mps, o))
     caps = [c for c in (log.tried("cap", lambda o=o: cap(own, o)) for o in obstacles[:2]) if c is not None]

@@ -78,7 +78,7 @@ def test_outside_the_circle_the_relative_velocity_touches_it(encounters):
 
 
 def test_inside_the_circle_it_is_the_field_of_the_paper_that_is_cited():
-    """f written out in the plane: x towards the aircraft, y against the side on which it passes."""
+    """The field f written out in the plane: x towards the aircraft, y against the side on which it passes."""
     own, obstacle, circle = Own((0, 0, 0), (V, 0, 0)), Obstacle((30, 4, 0), (-10, 0, 0), 25), 45.0
     place = np.subtract(own.pos_m, obstacle.pos_m)[:2]
     r = np.linalg.norm(place)

@@ -7,9 +7,9 @@ Gamma = |x - c|^2 / R^2, 1 on its surface, with the gradient n, and changes the 
     M = I - n n' / (Gamma^(1/rho) n'n) + t n' / (Gamma^(1/sigma) |t| |n|)
 
 t is tangent to the sphere; here it points along the part of the relative velocity across the line of sight, and n'v_uo in the last term
-is taken without its sign, so that the stream turns to the side on which it passes already. Several obstacles are weighted by their nearness, omega_k = prod (Gamma_i - 1) / (Gamma_i + Gamma_k
-- 2). The velocity that the field gives is turned into one of the present speed with the same direction relative to the nearest obstacle
-for one, over the ground for several.
+is taken without its sign, so that the stream turns to the side on which it passes already. Several obstacles are weighted by their
+nearness, omega_k = prod (Gamma_i - 1) / (Gamma_i + Gamma_k - 2). The velocity that the field gives is turned into one of the present
+speed: with the same direction relative to the obstacle where there is one, over the ground where there are several.
 """
 
 import math
