@@ -66,7 +66,10 @@ def finish(
     if inside(closest) and outcome not in (Outcome.DIVERGED, Outcome.HIT_GROUND):
         outcome, message = Outcome.COLLIDED, f"came {-closest:.2f} m inside an obstacle"
     elif outcome is Outcome.REACHED and (refused := [e for e in log.events if e.decision not in ANSWERED]):
-        outcome, message = Outcome.NO_PATH, f"the planner had no path at {refused[0].time_s:.2f} s: {refused[0].decision}"
+        outcome, message = (
+            Outcome.NO_PATH,
+            f"the planner had no path at {refused[0].time_s:.2f} s: {refused[0].reason or refused[0].decision}",
+        )
     for column in columns.values():
         column.flags.writeable = False
     paths = tuple(PlannedPath(from_s, chain) for (from_s, _), chain in zip(log.paths, chains, strict=True))

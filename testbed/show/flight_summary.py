@@ -97,7 +97,7 @@ def event_sentence(event: ReplanEvent) -> str:
         path = f"{event.method} planned another path of {number(event.planned_length_m, 0)} m"
         return f"{event.obstacle}: {path}" if event.obstacle else path
     if event.decision != Decision.REPLANNED:
-        why = f"{words.read_aloud(event.decision)} (status {words.read_aloud(event.status)})"
+        why = f"{words.read_aloud(event.decision)} ({event.reason or f'status {words.read_aloud(event.status)}'})"
         return f"{event.obstacle}: {words.method(event.method)} kept the path, {why}"
     azimuth, elevation = direction_deg(event.command_enu_mps)
     bend = event.max_curvature_to_insertion_1pm

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from testbed import fly, measure
 from testbed.flight.planning.rejoin import resized
 from testbed.flight.planning.watch import Watch
+from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.base import State
 from testbed.flight.sensing import Seen
 from testbed.show.flight_summary import event_sentence
@@ -185,3 +187,34 @@ def test_a_point_on_the_curve_by_what_it_asks_of_the_aircraft() -> None:
     assert all(event.status in ("avoided", "unsafe", "leads_through_the_sphere") for event in events)
     assert len({event.command_enu_mps for event in events}) == 3
     assert events[0].deflection_rad <= min(event.deflection_rad for event in events) + 1e-9
+
+
+def test_a_flyable_path_keeps_the_limits_or_says_which_forbids_it() -> None:
+    """Seen from 200 m gtm_t2 has a path; from the paper's 100 m, on the printed pose, nothing is within bank and load factor."""
+    limits = load_aircraft("gtm_t2").limits
+    near, far = (
+        fly(plan(obstacles=[paper_obstacle()], begin={"at_route_s_m": s_m}, sensor={"range_m": range_m}, **FLYABLE))
+        for s_m, range_m in ((122, 100), (40, 200))
+    )
+    (event,) = near.events
+    assert (event.decision, event.status) == ("no_path", "no_path")
+    assert event.reason == "of 36 ends none is within the aircraft's limits: bank or load factor"
+    assert event_sentence(event).endswith(f"kept the path, no path ({event.reason})")
+    (event,) = far.events
+    assert event.decision == "replanned"
+    before, there = far.paths[0].chain, far.paths[1].curves[0]
+    joint = np.array(before.frame(float(before.nearest(np.array([event.own_pos_enu_m]))[0][0]))[2])
+    np.testing.assert_allclose(there.frame(0.0)[2], joint, atol=1e-6)  # G2: the bend goes on
+    point, tangent, bend = there.sample(np.linspace(0.0, there.length_m, 2000))
+    speed, up = math.hypot(*event.own_vel_enu_mps), np.array([0.0, 0.0, 1.0])
+    lift = speed**2 * bend / 9.80665 + up - tangent * tangent[:, 2:]  # of a coordinated flight along the curve, over the weight
+    left = np.cross(up, tangent)
+    left /= np.linalg.norm(left, axis=1)[:, None]
+    bank = np.unwrap(np.arctan2(-(lift * left).sum(axis=1), (lift * np.cross(tangent, left)).sum(axis=1)))
+    step_s = np.linalg.norm(np.diff(point, axis=0), axis=1) / speed
+    assert np.abs(np.diff(bank) / step_s).max() < math.radians(limits.roll_rate_dps) * 1.02
+    assert np.linalg.norm(bend, axis=1).max() * speed**2 / 9.80665 < limits.load_factor_max
+    assert np.degrees(np.arcsin(tangent[:, 2])).max() <= 30.01
+
+
+FLYABLE = {"replan": {"path": "flyable"}, "aircraft": "gtm_t2", **KINEMATIC}

@@ -95,6 +95,19 @@ class Rejoin(Section):
     """The way back to the route turns no tighter than a level turn with this bank, deg."""
 
 
+class FlyableSearch(Section):
+    """Where `path: flyable` looks: the paths tried are its points times its directions times the square of `magnitudes`."""
+
+    k_factors: Annotated[tuple[Annotated[Number, Field(ge=1, le=100)], ...], Field(min_length=1, max_length=8)] = (1.0, 1.5, 2.0, 3.0)
+    """Insertion points: `replan.k` times each of these."""
+    bearings: Annotated[int, Field(ge=0, le=36)] = 8
+    """Points K of the critical curve beside the method's own direction, at equal angles round the present velocity."""
+    magnitudes: Annotated[int, Field(ge=3, le=25)] = 7
+    """Lengths of each end tangent, between 0.4 and 3 chords."""
+    climb_at_most_deg: Annotated[Number, Field(gt=0, le=90)] = 30.0
+    """Steepest climb and descent of the path, deg."""
+
+
 class Replan(Section):
     """How a threat becomes a new path (sections 4.3, 5 of the paper)."""
 
@@ -115,6 +128,13 @@ class Replan(Section):
     arrival_root: Literal["smallest", "forward"] = "smallest"
     """Of the times at which the aircraft could meet the insertion point: the smallest, or the first whose point lies ahead of the
     aircraft; against a faster obstacle from behind the smallest may lie behind."""
+    path: Literal["hermite", "flyable"] = "hermite"
+    """How the path to the insertion point is found: hermite joins the present state to it and asks nobody (the paper's examples).
+    flyable is the paper's step 5 (iii): the shortest PH path within the aircraft's bank, load factor, roll rate and climb, that
+    continues the present bend; direction, insertion point and end tangents are searched for, and where no path is within the limits
+    the decision is no_path and says which limit forbids it."""
+    search: FlyableSearch = FlyableSearch()
+    """Where a flyable path is looked for."""
     swell_m: Distance = 0.0
     """Added to the radius of every obstacle that the planner knows; clearance is still counted from the radius itself, m."""
     horizon_s: Duration = 10.0

@@ -55,6 +55,7 @@ def make_event(
     wind: Vec3,
     route_miss_m: float,
     status: str = "clear",
+    reason: str = "",
 ) -> ReplanEvent:
     """Everything that went into a decision and came out of it; ``own`` and the obstacle are those of the planner's frame.
 
@@ -69,7 +70,7 @@ def make_event(
         obstacle=major.seen.name,
         decision=decision,
         method=method,
-        status=answer.status if answer else status,
+        status=status if answer is None else decision if answer.status == Status.AVOIDED and path is None else answer.status,
         own_pos_enu_m=own.pos_m,
         own_vel_enu_mps=add(own.vel_mps, wind),
         obstacle_pos_enu_m=major.obstacle.pos_m,
@@ -93,6 +94,7 @@ def make_event(
         max_curvature_to_goal_1pm=on,
         planned_length_m=path.length_m if path else NAN,
         wind_known_enu_mps=wind,
+        reason=reason,
     )
 
 

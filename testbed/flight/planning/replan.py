@@ -36,6 +36,7 @@ from testbed.core.frames import Vec3, vec3
 from testbed.flight.impossible import NoWayError
 from testbed.flight.planning.context import STILL, Answer, Context, Step
 from testbed.flight.planning.decision import Sighting, carried, judged, make_event
+from testbed.flight.planning.flyable_way import flyable_way
 from testbed.flight.planning.rejoin import Rejoin, Way, joined, miss_along, ray
 from testbed.flight.planning.steering import SteeringLaw, arc
 from testbed.flight.planning.watch import Watch
@@ -43,7 +44,7 @@ from testbed.flight.plants.base import State
 from testbed.flight.record import Decision
 from testbed.flight.route.path import ActivePath, Path
 from testbed.flight.sensing.base import Seen
-from vosc import Insertion, Own, insertion_point
+from vosc import Insertion, Own, insertion_point, ph
 from vosc.methods import Avoidance, Status, avoid
 from vosc.vec import add, dot, norm, scale, sub
 
@@ -67,6 +68,16 @@ class Memory(NamedTuple):
     ahead_m: float = 0.0
     left_s_m: float = 0.0
     not_before_s: float = -math.inf
+
+
+class Avoided(NamedTuple):
+    """What came of a threat: the decision, the method's answer, the insertion point, the way through it; why there is no way."""
+
+    decision: Decision
+    answer: Avoidance | None = None
+    insertion: Insertion | None = None
+    way: Way | None = None
+    reason: str = ""
 
 
 class Replanner:
@@ -120,20 +131,30 @@ class Replanner:
         handled = memory.handled | {sighting.seen.name for sighting in threats}
         memory = memory._replace(handled=handled, known=known, left_s_m=min(left_s_m, self._context.route.length_m))
         passing = miss_along(path, s_m, norm(add(own.vel_mps, wind)), time_s, [sighting.seen for sighting in threats])
-        kind, answer, insertion, new = self._context.method.kind, None, None, None
+        kind, did, new = self._context.method.kind, Avoided(Decision.STEERED), None
         if self._law is not None:
-            decision = Decision.STEERED
             memory = memory._replace(law=(self._law.start(self._context),), hold_from_s_m=-math.inf, ahead_m=math.nan)
         else:
-            goal = partial(heading_for, sub(self._context.goal, own.pos_m), norm(own.vel_mps), wind)
-            options = completed(self._context.method.options, goal, state.bank)
-            answer, insertion, way, decision = self._avoided(own, wind, sightings, major, memory.left_s_m, options)
-            new = ActivePath(way.curves) if way else None
-            if way and new:
-                holds = insertion is None or self._settings.rejoin.when == "clear"
-                memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf, ahead_m=way.ahead_m)
+            did = self._avoided(own, wind, state.bank, sightings, major, (memory.left_s_m, path.frame(s_m)[2]))
+            if did.way:
+                new = ActivePath(did.way.curves)
+                holds = did.insertion is None or self._settings.rejoin.when == "clear"
+                memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf, ahead_m=did.way.ahead_m)
         self.slowest_s = max(self.slowest_s, thread_time() - began)
-        event = make_event(time_s, decision, kind, own, major, answer, insertion, new, wind, passing, status=Decision.STEERED)
+        event = make_event(
+            time_s,
+            did.decision,
+            kind,
+            own,
+            major,
+            did.answer,
+            did.insertion,
+            new,
+            wind,
+            passing,
+            status=Decision.STEERED,
+            reason=did.reason,
+        )
         if new is not None:
             event = judged(event, new, [sighting.seen for sighting in sightings])
         if memory.law is not None:
@@ -141,35 +162,44 @@ class Replanner:
         return Step(memory, new, event)
 
     def _avoided(
-        self, own: Own, wind: Vec3, sightings: Sequence[Sighting], major: Sighting, left_s_m: float, options: Mapping[str, Any]
-    ) -> tuple[Avoidance, Insertion | None, Way | None, Decision]:
-        """The method's answer, the insertion point, the way through it, and what was decided."""
-        settings, (kind, method, _) = self._settings, self._context.method
-        answer = avoid(method, own, [sighting.obstacle for sighting in sightings], **options)
+        self, own: Own, wind: Vec3, bank_rad: float, sightings: Sequence[Sighting], major: Sighting, path_now: tuple[float, Vec3]
+    ) -> "Avoided":
+        """``path_now``: the arc length at which the flight left the route, and the curvature vector of the path that it is on, 1/m."""
+        settings, (kind, method, given) = self._settings, self._context.method
+        goal = partial(heading_for, sub(self._context.goal, own.pos_m), norm(own.vel_mps), wind)
+        answer = avoid(method, own, [sighting.obstacle for sighting in sightings], **completed(given, goal, bank_rad))
         if kind == "none" or answer.status not in (Status.AVOIDED, Status.UNSAFE):
-            return answer, None, None, Decision.NONE if kind == "none" else Decision(answer.status)
-        direct = settings.answer == "direct"
-        rule = (settings.k, settings.time_rule, settings.insertion_side, settings.arrival_root)
-        insertion = None if direct else insertion_point(own, major.obstacle, *rule)
-        way = self._way(own, answer, insertion, wind, left_s_m) if direct or insertion else None
-        decision = Decision.REPLANNED if way else Decision.NO_PATH if direct or insertion else Decision.NO_INSERTION_POINT
-        return answer, insertion, way, decision
+            return Avoided(Decision.NONE if kind == "none" else Decision(answer.status), answer)
+        left_s_m, bend = path_now
+        insertion, there = None, None
+        try:
+            if settings.answer == "insertion_point":
+                rule = (settings.k, settings.time_rule, settings.insertion_side, settings.arrival_root)
+                insertion = insertion_point(own, major.obstacle, *rule)
+                if insertion is None:
+                    return Avoided(Decision.NO_INSERTION_POINT, answer)
+                if settings.path == "flyable":
+                    threats = [sighting.obstacle for sighting in sightings if sighting.obstacle.is_threat]
+                    limits = self._context.limits
+                    there, answer, insertion = flyable_way(own, answer, threats, major.obstacle, wind, bend, limits, settings.search, rule)
+            return Avoided(Decision.REPLANNED, answer, insertion, self._way(own, answer, insertion, there, wind, left_s_m))
+        except NoWayError as error:  # coincident points; a command that stands still over the ground; nothing flyable
+            return Avoided(Decision.NO_PATH, answer, insertion, reason=str(error))
 
-    def _way(self, own: Own, answer: Avoidance, insertion: Insertion | None, wind: Vec3, left_s_m: float) -> Way | None:
-        """PH from the present state to the insertion point with the avoidance direction there, and on; or that direction at once."""
+    def _way(self, own: Own, answer: Avoidance, insertion: Insertion | None, there: ph.Curve | None, wind: Vec3, left_s_m: float) -> Way:
+        """PH from the present state to the insertion point with the avoidance direction there (``there``, where it is found already), and
+        on; or that direction at once. Raises ``NoWayError``.
+        """
         settings = self._settings
         command = add(vec3(answer.velocity_mps), wind)
-        try:
-            if insertion is None:
-                return Way((ray(own.pos_m, command),))
-            start, middle = own.pos_m, carried(insertion, wind)
-            there = joined(start, add(own.vel_mps, wind), middle, command, settings.magnitude_chords)
-            if settings.rejoin.when == "clear":
-                return Way((there, ray(middle, command)))
-            on = self._rejoin.way(middle, command, left_s_m, now=True)
-            return Way((there, *on.curves), on.ahead_m - there.length_m)
-        except NoWayError:  # coincident points; a command that stands still over the ground
-            return None
+        if insertion is None:
+            return Way((ray(own.pos_m, command),))
+        start, middle = own.pos_m, carried(insertion, wind)
+        there = there or joined(start, add(own.vel_mps, wind), middle, command, settings.magnitude_chords)
+        if settings.rejoin.when == "clear":
+            return Way((there, ray(middle, command)))
+        on = self._rejoin.way(middle, command, left_s_m, now=True)
+        return Way((there, *on.curves), on.ahead_m - there.length_m)
 
     def _steered(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
         """The way back, once the flight is clear; until then what the law says."""

@@ -69,6 +69,7 @@ class ReplanEvent:
     wind_known_enu_mps: Vec3 = (0.0, 0.0, 0.0)  # what the planner took for the wind; cap, command's size, deflection and insertion
     # rule are those of the velocities less this wind, while the velocities here are over the ground
     path_clearance_m: float = math.nan  # least clearance from all in sight along the new path, flown at the present ground speed
+    reason: str = ""  # why there is no path, in words, where the planner says
     path_turns_rad: float = math.nan  # greatest angle of the new path, up to the insertion point, from the present velocity
 
 
