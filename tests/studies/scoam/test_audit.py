@@ -26,6 +26,8 @@ PRINTED = {  # every printed result, as the paper prints it
     "Table 4": "13.4 582.4 1.19 25.5 595.7 1.45 18.4 588.2 1.28",
 }
 OTHERS = {  # judgements, relations an equation demands, and sentences put as a number
+    "Section 3.2.1": ["0"],
+    "Section 4.3.1": ["0"],
     "Section 5, Fig. 8": ["flyable"],
     "Table 1": ["> 0", "50"],
     "Section 5.1": ["0", "0", "> 0", "flyable"],
@@ -62,7 +64,7 @@ def test_every_printed_result_has_exactly_one_row(table):
         assert [row["printed"] for row in mine if row["kind"] in ("value", "choice")] == PRINTED.get(where, "").split(), where
         assert sorted(row["printed"] for row in mine if row["kind"] not in ("value", "choice")) == sorted(OTHERS[where]), where
     assert {row["where"] for row in table} == {*PRINTED, *OTHERS}
-    assert len({(row["where"], row["quantity"]) for row in table}) == len(table) == 65
+    assert len({(row["where"], row["quantity"]) for row in table}) == len(table) == 67
 
 
 def test_the_tolerance_is_half_a_unit_of_the_last_printed_place(table):
@@ -245,7 +247,7 @@ def test_an_inconsistent_row_is_out_of_reach_of_every_rounding(rows):
 
 def test_verdict_counts(table):
     assert Counter(row["verdict"] for row in table) == {
-        "reproduced": 8, "reproduced_with_reading": 14, "inconsistent": 23, "not_determined": 20,
+        "reproduced": 8, "reproduced_with_reading": 14, "inconsistent": 25, "not_determined": 20,
     }  # fmt: skip
 
 

@@ -21,7 +21,31 @@ DROAM = ("droam", "nearest_branch")
 
 def rows() -> tuple[Row, ...]:
     """All rows, in the order of the paper."""
-    return (*_route(), *_table_1(), *_section_5_1(), *_table_2(), *_table_3(), *_section_5_2(), *_table_4())
+    return (*_sentences(), *_route(), *_table_1(), *_section_5_1(), *_table_2(), *_table_3(), *_section_5_2(), *_table_4())
+
+
+def _sentences() -> Iterator[Row]:
+    """Where a formula and the words or formulas beside it say two things, put as numbers with the single case."""
+    yield relation(
+        "eq_23",
+        "Section 3.2.1",
+        "angle between the velocity of eq. 23 and that of eq. 21-22, with the direction of section 5.1",
+        "0",
+        "deg",
+        geo.equation_23_off,
+        (*THREAT, "planes_of_eq_23"),
+        "check",
+    )
+    yield relation(
+        "q_behind",
+        "Section 4.3.1",
+        "distance of Q_avo, behind the obstacle as the sentence above eq. 35 says, from the printed one",
+        "0",
+        "m",
+        geo.behind_off,
+        POINT_ASSUMPTIONS,
+        "check",
+    )
 
 
 def _route() -> Iterator[Row]:

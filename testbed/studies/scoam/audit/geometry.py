@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 
+from testbed.core.frames import vec3
 from testbed.core.units import DEG
 from testbed.studies.scoam.audit.case import Case
 from testbed.studies.scoam.audit.readings import CHAIN, COMPONENTS, DETECTION
@@ -99,6 +100,27 @@ def insertion(case: Case, name: str) -> tuple[Vec, float]:
         return NO_POINT, math.nan
     x, y, z = found.point_m.tolist()
     return (x, y, z), found.time_s
+
+
+def behind_off(case: Case) -> float:
+    """Distance of the point k R behind the obstacle from the printed Q_avo, m: the words of 4.3.1 against eq. 35."""
+    found = insertion_point(own(case), obstacle(case, "o"), k=K_FACTOR, side="behind")
+    return math.nan if found is None else norm(sub(vec3(found.point_m), position(case, "q")))
+
+
+def equation_23_off(case: Case) -> float:
+    """Angle (deg) between v_u turned by the matrices of eq. 23 and v_u turned by (delta psi, delta theta) of eq. 21-22.
+
+    The matrices have two rows: the right one is taken for the components (x, y), the left one for (horizontal, z).
+    """
+    turned = direction_in_force(case)
+    (psi, theta), (new_psi, new_theta) = ([x * DEG for x in degrees(v)] for v in (heading(case, "own"), turned))
+    d_psi, d_theta = new_psi - psi, new_theta - theta
+    x = math.cos(d_psi) * math.cos(psi) + math.sin(d_psi) * math.sin(psi)
+    y = -math.sin(d_psi) * math.cos(psi) + math.cos(d_psi) * math.sin(psi)
+    flat = math.cos(d_theta) * math.cos(theta) + math.sin(d_theta) * math.sin(theta)
+    z = -math.sin(d_theta) * math.cos(theta) + math.cos(d_theta) * math.sin(theta)
+    return deflection((flat * x, flat * y, z), turned) / DEG
 
 
 def point_in_force(case: Case, name: str) -> Vec:

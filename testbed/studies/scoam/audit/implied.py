@@ -163,6 +163,8 @@ OFF_BOUNDARY = "the printed K is on the rim of neither cap, printed or computed"
 SINGLE, MULTIPLE = ("azimuth_106", "direction_106_10"), ("as_printed", "printed_results")
 
 NOTES: Mapping[str, str | Callable[[], str]] = {
+    "eq_23": "its sines turn by minus delta psi and minus delta theta; eq. 18 gives the velocity itself, and nothing here uses eq. 23",
+    "q_behind": "the printed points follow eq. 35: ahead of the obstacle on its course",
     "threat_o": partial(_missed, "o"),
     "threat_o1": partial(_missed, "o1"),
     "threat_o2": partial(_missed, "o2"),

@@ -78,6 +78,8 @@ ASSUMPTIONS: Final[Mapping[str, str]] = {
     "major_o1": "In section 5.2 Q_avo is built from O_1, which has the smaller t_c by 4.3.2.",
     "time_to_q": "The obstacle avoidance time is that of the straight line P_t to Q_avo at 50 m/s: the least any path can need.",
     "space_angle": "A deflection is the angle in space between old and new velocity, unless the reading says otherwise.",
+    "planes_of_eq_23": "A matrix of two rows cannot multiply a vector of three components: of eq. 23 the right one is taken for (x, y) and "
+    "the left one for (horizontal, z).",
     "k_by_y": "Of K the coordinate y_k is chosen, as printed; x_k and z_k follow from eq. 32-33, K on the rim of either cap.",
     "nearest_branch": "Where an equation or a method has several solutions and the paper does not say which it takes, the one "
     "nearest to the print is shown.",
