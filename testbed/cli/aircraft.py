@@ -40,6 +40,11 @@ class _DataSheetFirst(PlainGroup):
             args = ["sheet", *args]
         return super().resolve_command(ctx, args)
 
+    def shell_complete(self, ctx, incomplete):  # type: ignore[no-untyped-def]
+        from typer._click.shell_completion import CompletionItem
+
+        return [*super().shell_complete(ctx, incomplete), *map(CompletionItem, completing.aircraft(ctx, incomplete))]
+
 
 aircraft = PlainTyper(
     cls=_DataSheetFirst,

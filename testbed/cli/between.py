@@ -106,3 +106,35 @@ def _open_recording(recording: Path) -> None:
     else:
         say(f"{_NO_SCREEN}to look at it elsewhere:", sys.stderr)
     say(" ".join(command))
+
+
+@app.command(
+    epilog=examples(
+        "testbed compare paper-single windy",
+        "testbed compare reports/runs/a reports/runs/b --out differences.html",
+        "testbed compare scoam orca --on reading --on flown_by     pair by these axes, whatever else is swept",
+    )
+)
+def compare(
+    first: Annotated[
+        Path, typer.Argument(metavar="A", help="A run directory, or its name in reports/runs.", autocompletion=completing.runs)
+    ],
+    second: Annotated[Path, typer.Argument(metavar="B", help="Another one.", autocompletion=completing.runs)],
+    on: Annotated[
+        list[str] | None,
+        typer.Option("--on", metavar="AXIS", help="Pair by this axis and the replicate; default: every axis that both runs sweep."),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE.html", help="Write it as a page too, with a slope chart.")] = None,
+) -> None:
+    """Compare two runs flight by flight: those of the same cell and replicate are a pair. Also runs that are not finished."""
+    with bad_input():
+        from testbed.run.compared import compared
+        from testbed.show import compare as told
+
+        found = compared(run_folder(first), run_folder(second), on or ())
+        say("\n".join(told.text(found)))
+        if out is not None:
+            from testbed.show.compare_page import render_comparison
+
+            out.write_text(render_comparison(found), encoding="utf-8")
+            say(str(out))

@@ -62,7 +62,9 @@ def flights(ctx: typer.Context, incomplete: str) -> list[str]:
     folder = run_folder(Path(_params(ctx)["directory"]))
     recorded = sorted(file.stem for file in folder.glob("recordings/*.rrd"))
     with (folder / "plan.json").open("rb") as plan:
-        every = recorded or [found.group(1).decode() for line, _ in zip(plan, range(MOST_FLIGHTS), strict=False) if (found := _ID.search(line))]
+        every = recorded or [
+            found.group(1).decode() for line, _ in zip(plan, range(MOST_FLIGHTS), strict=False) if (found := _ID.search(line))
+        ]
     return _beginning(every, incomplete)
 
 

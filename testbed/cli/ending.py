@@ -32,7 +32,7 @@ def summarise(summary: "Summary") -> None:
         say("warning: the code changed during the run, so its flights may not be of one code; start again with --fresh", sys.stderr)
     missed = sum(not line.passed for line in summary.checks)
     _tell_checks(summary.checks, missed)
-    if summary.answer:
+    if summary.answer and summary.answer.lines:
         say("\n".join(["", *summary.answer.lines, ""]), sys.stderr)
     _tell_where(summary)
     say(str(summary.directory))
@@ -46,7 +46,14 @@ def _tell_checks(checks: "Sequence[CheckResult]", missed: int) -> None:
     if not checks:
         return
     rows = [
-        (line.word, line.quantity, *(f"{x:.6g}" for x in (line.measured, line.truth)), f"{line.off:.3g}", f"{line.tolerance:.3g}", line.unit)
+        (
+            line.word,
+            line.quantity,
+            *(f"{x:.6g}" for x in (line.measured, line.truth)),
+            f"{line.off:.3g}",
+            f"{line.tolerance:.3g}",
+            line.unit,
+        )
         for line in checks
     ]
     headings = ("check", "quantity", "measured", "true", "off by", "allowed", "unit")

@@ -45,7 +45,12 @@ def list_parts(
 )
 def check(
     family: Annotated[Literal["method", "guidance", "planner"], typer.Argument(metavar="FAMILY", help="method, guidance or planner.")],
-    kind: Annotated[str, typer.Argument(help="A name, or FILE:NAME in a file of your own: tangent:avoid is avoid in ./tangent.py.", autocompletion=completing.kinds)],
+    kind: Annotated[
+        str,
+        typer.Argument(
+            help="A name, or FILE:NAME in a file of your own: tangent:avoid is avoid in ./tangent.py.", autocompletion=completing.kinds
+        ),
+    ],
     option: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="An option of the part, YAML value.")] = None,
 ) -> None:
     """Try what a part promises, and say in words what it breaks; exit 1 when it breaks anything."""

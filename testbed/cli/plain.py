@@ -42,7 +42,7 @@ class _InPlainWords:
         return parsed
 
 
-def _nothing(ctx: Any) -> None:  # noqa: ARG001
+def _nothing(ctx: Any) -> None:
     """The type of an argument, in its help."""
 
 
@@ -76,5 +76,5 @@ class PlainGroup(_InPlainWords, typer.core.TyperGroup):
 class PlainTyper(typer.Typer):
     """Where commands are added, each a ``PlainCommand``."""
 
-    def command(self, name: str | None = None, **settings: Any) -> Any:  # type: ignore[override]
+    def command(self, name: str | None = None, **settings: Any) -> Any:
         return super().command(name, **{"cls": PlainCommand, **settings})

@@ -34,7 +34,7 @@ RunDirectory = Annotated[
 )
 def run(
     file: Annotated[Path, typer.Argument(help="The campaign, a YAML file.")],
-    out: Annotated[Path | None, typer.Option(help="Run directory; default reports/runs/<name>.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Run directory; default reports/runs/NAME, by the campaign.")] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Worker processes; default one per core.")] = None,
     engine: Annotated[Literal["local", "dask"], typer.Option(help="Where flights are flown.")] = "local",
     scheduler: Annotated[str | None, typer.Option(help="With --engine dask: its address, or its scheduler file.")] = None,
@@ -168,7 +168,9 @@ def replay(
     raise typer.Exit(CRASHED if again.differences else 0)
 
 
-@app.command(epilog=examples("testbed init study/                          then: testbed run study/first.yaml", "testbed init study/ --examples"))
+@app.command(
+    epilog=examples("testbed init study/                          then: testbed run study/first.yaml", "testbed init study/ --examples")
+)
 def init(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="A new folder, or one without files of these names.")],
     examples: Annotated[bool, typer.Option("--examples", help="The project's own campaigns too, to copy from: DIR/examples/.")] = False,

@@ -1,7 +1,7 @@
 """The runs in a folder, each with its question and answer: for `testbed runs`, and for the page of runs beside them."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -63,7 +63,7 @@ def _listed(path: Path) -> Listed:
     state = "" if answer else "finished, without an answer (testbed report writes it)" if (path / PAGE).is_file() else "not finished"
     if answer and sum(counted.values()) < planned:
         state = f"not finished: {sum(counted.values())} of {planned} flights"
-    return Listed(path, question if isinstance(question, str) else "", _when(about["history"]), planned, counted, answer, state)
+    return Listed(path, question if isinstance(question, str) else "", when(about), planned, counted, answer, state)
 
 
 def _answer_of(directory: RunDirectory) -> dict[str, Any]:
@@ -73,7 +73,9 @@ def _answer_of(directory: RunDirectory) -> dict[str, Any]:
     return {}
 
 
-def _when(history: list[dict[str, Any]]) -> str:
+def when(about: Mapping[str, Any]) -> str:
+    """When the last flights of a run ended, or began, in UTC; empty if its manifest does not tell."""
+    history = about["history"]
     said = (history[-1].get("ended") or history[-1].get("started")) if history else None
     with suppress(TypeError, ValueError):
         return datetime.fromisoformat(said).astimezone(UTC).strftime("%Y-%m-%d %H:%M")  # type: ignore[arg-type]

@@ -74,7 +74,7 @@ class _Bar:
         from rich.text import Text
 
         class WithOutcomes(Progress):
-            outcomes: Mapping[str, int] = {}  # noqa: RUF012 (it is replaced, not changed)
+            outcomes: Mapping[str, int] = {}
 
             def get_renderables(self) -> Iterable[Any]:
                 yield from super().get_renderables()

@@ -216,9 +216,7 @@ def _written(directory: RunDirectory, campaign: Campaign, planned: Planned, flow
         made = write_results(directory, about, campaign, planned, rows_of(directory))
     mixed = about["identity"]["code"] == manifest.MIXED
     listed.refresh(directory.path)
-    return Summary(
-        directory.path, len(planned), made.outcomes, flown, mixed, made.checks, made.first_crash, campaign.plugins, made.answer
-    )
+    return Summary(directory.path, len(planned), made.outcomes, flown, mixed, made.checks, made.first_crash, campaign.plugins, made.answer)
 
 
 def _now() -> str:

@@ -1,4 +1,4 @@
-"""From the rows of a run to its files: tables, checks, answer, page, those of its study. In plan order; the same bytes for the same rows."""
+"""From the rows of a run to its files: tables, checks, answer, page, those of its study. In plan order; same rows, same bytes."""
 
 import csv
 import io

@@ -14,8 +14,8 @@ from testbed.show.assets import asset, environment
 MARK: Final = '<meta name="generator" content="testbed runs">'
 """By it a page of runs is known, and may be written again."""
 
-WIDTH, ROW, NAMES, RIGHT, TOP = 360, 22, 168, 26, 4  # px of the drawing; NAMES: the column of names on the left
-LONGEST = 28  # characters of a name
+WIDTH, ROW, NAMES, RIGHT, TOP = 420, 22, 216, 42, 4  # px of the drawing; NAMES, RIGHT: the columns of names and of figures
+LONGEST = 38  # characters of a name
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,11 @@ class Told:
         """What its picture shows."""
         if not self.answer or not self.answer.bars:
             return ""
-        return "Least clearance, m: 5 to 95 %, median" if self.answer.of == "clearance" else "Counts"
+        return (
+            "Least clearance, m: median, and 5 to 95 % of the flights; left of the line is inside the obstacle"
+            if self.answer.of == "clearance"
+            else "Counts"
+        )
 
 
 def render_runs(runs: Sequence[Told]) -> str:
@@ -94,12 +98,10 @@ def thumbnail(answer: Answer) -> Markup:
         figure = words.number(bar.median, 1) if spans else words.number(bar.median, 0)
         parts.append(f'<g class="{bar.tone or "plain"}"><title>{escape(_read_aloud(bar))}</title>')
         parts.append(f'<text x="{NAMES}" y="{y + 15}" text-anchor="end">{escape(name)}</text>')
-        parts.append(
-            f'<rect x="{x(ends[0]):.1f}" y="{y + 6}" width="{max(1.5, x(ends[1]) - x(ends[0])):.1f}" height="{ROW - 12}" rx="2"/>'
-        )
+        parts.append(f'<rect x="{x(ends[0]):.1f}" y="{y + 6}" width="{max(1.5, x(ends[1]) - x(ends[0])):.1f}" height="{ROW - 12}" rx="2"/>')
         if spans:
             parts.append(f'<circle cx="{x(bar.median):.1f}" cy="{y + 11}" r="4"/>')
-        parts.append(f'<text class="figure" x="{x(ends[1]) + 6:.1f}" y="{y + 15}">{figure}</text></g>')
+        parts.append(f'<text class="figure" x="{WIDTH - 2}" y="{y + 15}" text-anchor="end">{figure}</text></g>')
     return Markup("".join([*parts, "</svg>"]))
 
 

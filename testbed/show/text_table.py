@@ -10,6 +10,8 @@ def aligned(headings: Sequence[str], rows: Sequence[Sequence[str]], right: Colle
     lines = [list(headings), *map(list, rows)] if any(headings) else [list(row) for row in rows]
     widths = [max((len(line[k]) for line in lines), default=0) for k in range(len(headings))]
     return [
-        GAP.join(cell.rjust(wide) if k in right else cell.ljust(wide) for k, (cell, wide) in enumerate(zip(line, widths, strict=True))).rstrip()
+        GAP.join(
+            cell.rjust(wide) if k in right else cell.ljust(wide) for k, (cell, wide) in enumerate(zip(line, widths, strict=True))
+        ).rstrip()
         for line in lines
     ]

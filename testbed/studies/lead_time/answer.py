@@ -18,7 +18,13 @@ def answer(lines: Sequence[Line]) -> Answer:
         if key.swell_m != most or key.method != "scoam":
             continue
         of, name = summary(found), f"{key.aircraft}, {'direction at once' if key.answer == 'direct' else 'insertion point'}"
-        needs = f"the median encounter needs {words.number(of.lead.value, 2, 's')}" if math.isfinite(of.lead.value) else "in most none is enough"
-        told.append(f"{name}, margin {most:g} m: {needs} (best manoeuvre {words.number(of.best.value, 2, 's')}); no lead in {of.never} of {of.n}.")
+        needs = (
+            f"the median encounter needs {words.number(of.lead.value, 2, 's')}"
+            if math.isfinite(of.lead.value)
+            else "in most none is enough"
+        )
+        told.append(
+            f"{name}, margin {most:g} m: {needs} (best manoeuvre {words.number(of.best.value, 2, 's')}); no lead in {of.never} of {of.n}."
+        )
         bars.append((name, of.n - of.never, KEPT if not of.never else BAD if of.never == of.n else UNSURE))
     return Answer(tuple(told[:3]) or (f"{len(lines)} searched.",), counted_bars(bars), of="count")

@@ -41,4 +41,6 @@ def _told(claim: Claim) -> str:
         interval = words.interval(air.p05, air.p95, claim.unit)
         said.append(f"in wind and turbulence {interval} (5 to 95 % of {words.counted(air.n, 'flight')})")
     verdict = f"{claim.word} {claim.condition}".strip()
-    return words.sentence(f"\N{LEFT DOUBLE QUOTATION MARK}{words.capital(claim.text)}\N{RIGHT DOUBLE QUOTATION MARK} {verdict}: {', '.join(said)}")
+    return words.sentence(
+        f"\N{LEFT DOUBLE QUOTATION MARK}{words.capital(claim.text)}\N{RIGHT DOUBLE QUOTATION MARK} {verdict}: {', '.join(said)}"
+    )
