@@ -182,7 +182,7 @@ def test_every_help_has_examples_and_no_word_of_the_library(call):
     assert {("run",), ("aircraft", "new"), ("audit",), ("compare",), ("open",), ("runs",)} <= set(COMMANDS)
     for command in [(), *COMMANDS]:
         shown = call(*command, "--help").stdout
-        assert re.search(rf"Examples\s+testbed {'.*'.join(command[:1])}", shown), command
+        assert re.search(rf"Examples?:?\s+testbed {'.*'.join(command[:1])}", shown), command
         assert not re.search(r"<\w+>|int range|list\[|bool|\{\w+\}", shown), command
 
 
