@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from testbed.campaign.reading.document import in_words
 from testbed.campaign.words.settings import Campaign
 from testbed.run import journal, manifest, planned, world
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
@@ -33,7 +34,7 @@ def plan_of(directory: RunDirectory) -> tuple[Campaign, Planned]:
     try:
         return Campaign.model_validate(plan.campaign), plan
     except ValueError as problem:
-        raise BadInputError(f"{directory / PLAN}: not a plan of this version of testbed ({problem})") from None
+        raise BadInputError(f"{directory / PLAN}: not a plan of this version of testbed ({in_words(problem)})") from None
 
 
 def number_in(directory: RunDirectory, plan: Planned, flight_id: str) -> int:

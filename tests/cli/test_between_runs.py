@@ -229,6 +229,18 @@ def test_the_shell_is_offered_what_there_is(place, monkeypatch, typed, offered):
     assert done.stdout.split() == offered
 
 
+def test_a_damaged_plan_is_told_in_plain_words(call, place):
+    plan = place / "reports/runs/cut/plan.json"
+    before = plan.read_text()
+    try:
+        plan.write_text(before.replace('"speed_mps":50.0', '"speed_mps":-50.0', 1))
+        done = call("report", "cut")
+    finally:
+        plan.write_text(before)
+    assert done.exit_code == 2
+    assert done.stderr.endswith("not a plan of this version of testbed (speed_mps: must be more than 0 m/s, not -50.0 m/s)\n")
+
+
 def test_the_flights_that_are_offered_are_those_with_a_recording(place, monkeypatch):
     monkeypatch.chdir(place)
     done = SHELL.invoke(
