@@ -32,7 +32,8 @@ FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader
 BESIDE = Path(sys.executable).parent
 
 WIDE, FILM_WIDE, QUALITY, FILM_QUALITY = 1400, 1000, 82, 62
-FRAMES_PER_S, SLOWER = 15, 2.0  # of the film, and how much slower than flown it runs
+FRAMES_PER_S, SLOWER = 12, 2.0  # of the film, and how much slower than flown it runs
+FILM_MS = -700, 2600  # from and to which instant; 0 is the decision
 MOST_BYTES, MOST_FILM_BYTES = 1_500_000, 2_000_000
 SETTLED_S = 4.0  # what the viewer takes to load and draw, in software, at most
 
@@ -130,7 +131,8 @@ def film_of(file: Callable[[Stage], Path], part: str, slider: str) -> Maker:
 
     def make(stage: Stage) -> list[Image.Image]:
         with stage.page(file(stage), FILM_WIDE, 900) as page:
-            first, last = (int(page.locator(slider).get_attribute(end)) for end in ("min", "max"))  # milliseconds of the flight
+            ends = [int(page.locator(slider).get_attribute(end)) for end in ("min", "max")]
+            first, last = max(ends[0], FILM_MS[0]), min(ends[1], FILM_MS[1])
             step = 1000.0 / (FRAMES_PER_S * SLOWER)
             frames = []
             for k in range(int((last - first) / step) + 1):
@@ -138,7 +140,7 @@ def film_of(file: Callable[[Stage], Path], part: str, slider: str) -> Maker:
                     "([at, to]) => { const node = document.querySelector(at); node.value = to; node.dispatchEvent(new Event('input')); }",
                     [slider, str(round(first + k * step))],
                 )
-                page.wait_for_timeout(60)
+                page.wait_for_timeout(40)
                 frames.append(_image(page.locator(part).screenshot()))
         return frames
 
@@ -306,10 +308,8 @@ def save(picture: Picture, images: list[Image.Image]) -> None:
         one.resize((wide, round(one.height * wide / one.width)), Image.Resampling.LANCZOS) if one.width > wide else one for one in images
     ]
     first, *rest = sized
-    more = (
-        {"save_all": True, "append_images": rest, "duration": round(1000 / FRAMES_PER_S), "loop": 0, "minimize_size": True} if rest else {}
-    )
-    first.save(picture.file, "WEBP", quality=FILM_QUALITY if rest else QUALITY, method=6, **more)
+    more = {"save_all": True, "append_images": rest, "duration": round(1000 / FRAMES_PER_S), "loop": 0} if rest else {}
+    first.save(picture.file, "WEBP", quality=FILM_QUALITY if rest else QUALITY, method=4, **more)
     print(f"{picture.file.relative_to(ROOT)}: {picture.file.stat().st_size / 1000:.0f} kB, {words_of(sized)}", flush=True)
 
 
