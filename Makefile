@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time aircraft-table test fast fuzz kills mutants wheel wheel-test bench scale report docs lock clean
+.PHONY: help paper paper-full verify lead-time aircraft-table test fast fuzz kills mutants wheel wheel-test bench scale report docs gallery lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -92,6 +92,9 @@ scale: $(STAMP) ## 200,000 kinematic flights, killed half way and resumed: memor
 
 report: $(STAMP) ## write the page and tables of the paper's campaign again, without flying
 	$(BIN)/testbed report reports/runs/paper
+
+gallery: $(STAMP) ## take the pictures of docs/gallery.html again; needs Debian's chromium and a Vulkan driver
+	$(BIN)/python docs/make_gallery.py
 
 docs: $(STAMP) ## write docs/results.md again: every column and signal with its unit and definition
 	$(BIN)/python docs/make_results.py

@@ -7,12 +7,14 @@ import typer
 import typer.core
 import typer.main
 
+from testbed.cli import completing
+from testbed.cli.plain import PlainGroup, PlainTyper, examples
 from testbed.cli.shell import CRASHED, app, bad_input, fail, say
 
 
-@app.command()
+@app.command(epilog=examples("testbed tune gtm_t2 --dry-run", "testbed tune my_plane --accept"))
 def tune(
-    name: Annotated[str, typer.Argument(metavar="AIRCRAFT")],
+    name: Annotated[str, typer.Argument(metavar="AIRCRAFT", help="Its name: `testbed list aircraft`.", autocompletion=completing.aircraft)],
     write: Annotated[bool, typer.Option("--write/--dry-run", help="Write the gains that were found into aircraft.yaml.")] = True,
     accept: Annotated[bool, typer.Option("--accept", help="Take the best gains even if none pass, and write what they missed.")] = False,
 ) -> None:
@@ -30,7 +32,7 @@ def tune(
             fail(str(problem), CRASHED)
 
 
-class _DataSheetFirst(typer.core.TyperGroup):
+class _DataSheetFirst(PlainGroup):
     """``aircraft NAME`` is short for ``aircraft sheet NAME``."""
 
     def resolve_command(self, ctx, args):  # type: ignore[no-untyped-def]
@@ -38,14 +40,24 @@ class _DataSheetFirst(typer.core.TyperGroup):
             args = ["sheet", *args]
         return super().resolve_command(ctx, args)
 
+    def shell_complete(self, ctx, incomplete):  # type: ignore[no-untyped-def]
+        from typer._click.shell_completion import CompletionItem
 
-aircraft = typer.Typer(cls=_DataSheetFirst, no_args_is_help=True, help="An aircraft's data sheet (`aircraft NAME`), or a new aircraft.")
+        return [*super().shell_complete(ctx, incomplete), *map(CompletionItem, completing.aircraft(ctx, incomplete))]
+
+
+aircraft = PlainTyper(
+    cls=_DataSheetFirst,
+    no_args_is_help=True,
+    help="An aircraft's data sheet (`aircraft NAME`), or a new aircraft.",
+    epilog=examples("testbed aircraft gtm_t2                      its data sheet", "testbed aircraft new my_plane --path my_plane.xml"),
+)
 app.add_typer(aircraft, name="aircraft")
 
 
-@aircraft.command()
+@aircraft.command(epilog=examples("testbed aircraft gtm_t2", "testbed aircraft sheet c172p --out /tmp/sheets"))
 def sheet(
-    name: Annotated[str, typer.Argument(metavar="NAME")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Its name: `testbed list aircraft`.", autocompletion=completing.aircraft)],
     out: Annotated[Path, typer.Option(help="Where the page goes.")] = Path("reports/runs/aircraft"),
 ) -> None:
     """Write an aircraft's data sheet: trims, limits, modes, step responses. `aircraft NAME` does the same."""
@@ -60,7 +72,12 @@ def sheet(
             fail(f"{name}: {problem}", CRASHED)
 
 
-@aircraft.command()
+@aircraft.command(
+    epilog=examples(
+        "testbed aircraft new cub --wheel J3Cub       a model that JSBSim brings along",
+        "testbed aircraft new my_plane --path models/my_plane.xml --speed 40 --out aircraft/",
+    )
+)
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="What the aircraft is to be called here.")],
     wheel: Annotated[str | None, typer.Option(metavar="MODEL", help="An aircraft that JSBSim's wheel ships.")] = None,

@@ -7,10 +7,12 @@ import typer
 import typer.core
 import typer.main
 
+from testbed.cli import completing
+from testbed.cli.plain import examples
 from testbed.cli.shell import CRASHED, app, bad_input, fail, say
 
 
-@app.command()
+@app.command(epilog=examples("testbed schema > campaigns/campaign.schema.json"))
 def schema() -> None:
     """Print the JSON Schema of a campaign, for editors."""
     from testbed.campaign import schema as campaign_schema
@@ -18,10 +20,11 @@ def schema() -> None:
     say(campaign_schema().rstrip("\n"))
 
 
-@app.command("list")
+@app.command("list", epilog=examples("testbed list", "testbed list methods", "testbed list aircraft"))
 def list_parts(
     what: Annotated[
-        Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic", "studies"] | None, typer.Argument()
+        Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic", "studies"] | None,
+        typer.Argument(help="aircraft, methods, planners, guidance, plants, sensors, traffic or studies; default all of them."),
     ] = None,
 ) -> None:
     """What a campaign can name: one name a line, or everything."""
@@ -33,10 +36,21 @@ def list_parts(
     say("\n".join(parts[what]) if what else "\n".join(f"{kind + ':':10} {', '.join(names)}" for kind, names in parts.items()))
 
 
-@app.command()
+@app.command(
+    epilog=examples(
+        "testbed check method scoam",
+        "testbed check method tangent:avoid --set side=left     avoid in ./tangent.py, with an option",
+        "testbed check guidance look_ahead",
+    )
+)
 def check(
     family: Annotated[Literal["method", "guidance", "planner"], typer.Argument(metavar="FAMILY", help="method, guidance or planner.")],
-    kind: Annotated[str, typer.Argument(help="A name, or FILE:NAME in a file of your own: tangent:avoid is avoid in ./tangent.py.")],
+    kind: Annotated[
+        str,
+        typer.Argument(
+            help="A name, or FILE:NAME in a file of your own: tangent:avoid is avoid in ./tangent.py.", autocompletion=completing.kinds
+        ),
+    ],
     option: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="An option of the part, YAML value.")] = None,
 ) -> None:
     """Try what a part promises, and say in words what it breaks; exit 1 when it breaks anything."""
@@ -53,7 +67,7 @@ def check(
     raise typer.Exit(0 if promised else CRASHED)
 
 
-@app.command()
+@app.command(epilog=examples("testbed bench", "testbed bench --pairs 5 --history /tmp/bench.csv"))
 def bench(
     history: Annotated[Path, typer.Option(help="CSV to which this run is added, and whose last runs are shown beside it.")] = Path(
         "reports/bench_history.csv"

@@ -9,19 +9,32 @@ import typer
 import typer.core
 import typer.main
 
+from testbed.cli import completing
+from testbed.cli.completing import run_folder
+from testbed.cli.ending import summarise
+from testbed.cli.plain import examples
 from testbed.cli.shell import BAD_INPUT, CRASHED, INTERRUPTED, app, bad_input, fail, say
 
 if TYPE_CHECKING:
     from testbed.run.engines import Engine
-    from testbed.run.runner import Summary
 
 Overrides = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a setting: dotted path, YAML value.")]
+RunDirectory = Annotated[
+    Path, typer.Argument(metavar="DIR", help="A run directory, or its name in reports/runs.", autocompletion=completing.runs)
+]
 
 
-@app.command()
+@app.command(
+    epilog=examples(
+        "testbed run campaigns/smoke.yaml",
+        "testbed run campaigns/smoke.yaml --fresh --workers 1 --out reports/runs/mine",
+        "testbed run campaigns/paper_single.yaml --set air.wind='{kind: steady, speed_mps: 10, from_deg: 240}' --out reports/runs/windy",
+        "testbed run campaigns/smoke.yaml --set replicates=20 --set sweep.plant.kind=[kinematic]",
+    )
+)
 def run(
     file: Annotated[Path, typer.Argument(help="The campaign, a YAML file.")],
-    out: Annotated[Path | None, typer.Option(help="Run directory; default reports/runs/<name>.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Run directory; default reports/runs/NAME, by the campaign.")] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Worker processes; default one per core.")] = None,
     engine: Annotated[Literal["local", "dask"], typer.Option(help="Where flights are flown.")] = "local",
     scheduler: Annotated[str | None, typer.Option(help="With --engine dask: its address, or its scheduler file.")] = None,
@@ -46,12 +59,13 @@ def run(
                     fresh=fresh,
                     command=("testbed", *sys.argv[1:]),
                     progress=show,
+                    writing=show.writing,
                 )
                 summary = runner.run(order)
         except (KeyboardInterrupt, EngineLostError) as why:
             resume = _without_fresh(sys.argv[1:])
             fail(f"{str(why) or 'interrupted'}; what was flown is kept. To go on:\n  testbed {shlex.join(resume)}", INTERRUPTED)
-    _summarise(summary)
+    summarise(summary)
 
 
 def _engine(name: str, workers: int, scheduler: str | None) -> "Engine":
@@ -71,33 +85,15 @@ def _without_fresh(arguments: list[str]) -> list[str]:
     return [argument for argument in arguments if argument != "--fresh"]
 
 
-def _summarise(summary: "Summary") -> None:
-    """What came out, on stderr; the run directory, on stdout; the exit code."""
-    from testbed.show import words
-
-    outcomes = words.outcomes(summary.outcomes)
-    flown = sum(summary.outcomes.values())
-    say(f"{flown} of {words.counted(summary.planned, 'flight')} ({summary.flown_now} flown now): {outcomes or 'none'}", sys.stderr)
-    if summary.crashed:
-        traceback = f"see 'traceback' in {summary.directory / 'rows.jsonl'}"
-        say(f"{summary.crashed} crashed: {summary.first_crash.splitlines()[0]}; {traceback}", sys.stderr)
-        if summary.plugins:
-            say(f"  the fault may be in a file of the campaign's plug-ins: {', '.join(summary.plugins)}", sys.stderr)
-    if summary.mixed_code:
-        say("warning: the code changed during the run, so its flights may not be of one code; start again with --fresh", sys.stderr)
-    for line in summary.checks:
-        off = f"{line.measured:.6g} where {line.truth:.6g} is true: off by {line.off:.3g} of {line.tolerance:.3g} {line.unit}".rstrip()
-        say(f"check {line.word}: {line.quantity}: {off}", sys.stderr)
-    missed = sum(not line.passed for line in summary.checks)
-    if missed:
-        say(f"{missed} of {len(summary.checks)} checks missed", sys.stderr)
-    say(str(summary.directory))
-    raise typer.Exit(CRASHED if summary.crashed or missed else 0)
-
-
-@app.command()
+@app.command(
+    epilog=examples(
+        "testbed validate campaigns/*.yaml --no-estimate   every problem of each, with file:line:column",
+        "testbed validate campaigns/paper.yaml             and what its run will take of disk and time",
+        "testbed validate campaigns/smoke.yaml --set replicates=1000 --workers 8",
+    )
+)
 def validate(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Campaigns, YAML files.")],
     workers: Annotated[int | None, typer.Option(min=1, help="Worker processes of the run to come; default one per core.")] = None,
     no_estimate: Annotated[bool, typer.Option("--no-estimate", help="Fly nothing to see what the run will take.")] = False,
     override: Overrides = None,
@@ -136,27 +132,32 @@ def _counted(flights: int, cells: int) -> str:
     return f"{words.counted(flights, 'flight')} in {words.counted(cells, 'cell')}"
 
 
-@app.command()
-def report(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A run directory.")]) -> None:
+@app.command(epilog=examples("testbed report reports/runs/smoke"))
+def report(directory: RunDirectory) -> None:
     """Write tables and page of a run again, without flying."""
     with bad_input():
-        from testbed.run import runner
+        from testbed.run import progress, runner
 
-        summary = runner.report(directory)
-    _summarise(summary)
+        summary = runner.report(run_folder(directory), progress.PlainLines().writing)
+    summarise(summary)
 
 
-@app.command()
+@app.command(
+    epilog=examples(
+        "testbed replay smoke 3b1f                    the flight whose id begins so",
+        "testbed replay reports/runs/smoke 3b1f --out again.rrd",
+    )
+)
 def replay(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="A run directory.")],
-    flight_id: Annotated[str, typer.Argument(help="Its beginning is enough.")],
+    directory: RunDirectory,
+    flight_id: Annotated[str, typer.Argument(help="Its beginning is enough.", autocompletion=completing.flights)],
     out: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Default: DIR/recordings/FLIGHT_ID.rrd.")] = None,
 ) -> None:
     """Fly one flight of a run again, record it, and compare it with its row."""
     with bad_input():
         from testbed.run.replay import replay as fly_again
 
-        again = fly_again(directory, flight_id, out)
+        again = fly_again(run_folder(directory), flight_id, out)
     if again.differences:
         why = "" if again.same_code else " (code or package versions are not those of the run)"
         lines = "".join(f"\n  {line}" for line in again.differences)
@@ -167,7 +168,9 @@ def replay(
     raise typer.Exit(CRASHED if again.differences else 0)
 
 
-@app.command()
+@app.command(
+    epilog=examples("testbed init study/                          then: testbed run study/first.yaml", "testbed init study/ --examples")
+)
 def init(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="A new folder, or one without files of these names.")],
     examples: Annotated[bool, typer.Option("--examples", help="The project's own campaigns too, to copy from: DIR/examples/.")] = False,

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
-import typer.core
 import typer.main
 
+from testbed.cli.plain import PlainGroup, PlainTyper, examples
 from testbed.cli.streams import UnsaidError, say
 
 
-class _WithPlugged(typer.core.TyperGroup):
+class _WithPlugged(PlainGroup):
     """The commands below, and those that are plugged in, which are looked for only where no other has the name."""
 
     def list_commands(self, ctx: typer.Context) -> list[str]:  # type: ignore[override]
@@ -33,8 +33,9 @@ class _WithPlugged(typer.core.TyperGroup):
         if (own := super().get_command(ctx, cmd_name)) is not None:
             return own
         with contextlib.suppress(registry.UnknownPartError, plugins.PluginError):
-            plugged = typer.Typer(pretty_exceptions_enable=False, add_completion=False)
-            plugged.command(cmd_name)(_printing(registry.part("command", cmd_name)))
+            command = registry.part("command", cmd_name)
+            plugged = PlainTyper(pretty_exceptions_enable=False, add_completion=False)
+            plugged.command(cmd_name, epilog=examples(*getattr(command, "examples", (f"testbed {cmd_name} --help",))))(_printing(command))
             return typer.main.get_command(plugged)
         return None
 
@@ -51,8 +52,17 @@ def _printing(command: Callable[..., Iterable[str]]) -> Callable[..., None]:
     return call
 
 
-app = typer.Typer(
-    cls=_WithPlugged, pretty_exceptions_enable=False, no_args_is_help=True, help="Fly avoidance campaigns and look at what came out."
+app = PlainTyper(
+    cls=_WithPlugged,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    help="Fly avoidance campaigns and look at what came out.",
+    epilog=examples(
+        "testbed run campaigns/smoke.yaml              fly a campaign",
+        "testbed open reports/runs/smoke               look at its page",
+        "testbed compare reports/runs/A reports/runs/B what differs between two runs",
+        "testbed COMMAND --help                        more of each, with examples",
+    ),
 )
 
 CRASHED, BAD_INPUT, INTERRUPTED = 1, 2, 130

@@ -1,7 +1,8 @@
 """Statistics of flights, all exact and without random numbers, so that anybody gets the same figures.
 
 Shares: Clopper and Pearson (Biometrika 26, 1934). Medians of paired differences: order statistics, that is the sign test turned
-round (Conover, Practical Nonparametric Statistics). Shares in pairs: McNemar's test, exact (Psychometrika 12, 1947).
+round (Conover, Practical Nonparametric Statistics). Shares in pairs: McNemar's test, exact (Psychometrika 12, 1947); the interval of
+their difference is made of those of its two halves, each at half the risk (Bonferroni), so that it holds for any number of pairs.
 """
 
 import math
@@ -93,6 +94,17 @@ def median(what: str, unit: str, differences: Iterable[float]) -> Effect:
     tails = special.bdtr(np.arange(n + 1), n, 0.5)
     rank = int(np.searchsorted(tails, 0.5 * (1.0 - LEVEL)))  # from 1: the rank-th from below and from above
     return Effect(what, unit, middle, found[rank - 1], found[n - rank], n)
+
+
+def share_difference(what: str, only_first: int, only_second: int, n: int) -> Effect:
+    """Share of the second less that of the first over ``n`` pairs, of which so many have just one of the two. At least 95 %, exact."""
+    if n == 0:
+        return Effect(what, "", NAN, NAN, NAN, 0)
+    tail = 0.25 * (1.0 - LEVEL)
+    (low_1, high_1), (low_2, high_2) = (
+        (_share_above(count, n, tail), 1.0 - _share_above(n - count, n, tail)) for count in (only_first, only_second)
+    )
+    return Effect(what, "", (only_second - only_first) / n, low_2 - high_1, high_2 - low_1, n)
 
 
 def mcnemar(only_first: int, only_second: int) -> float:

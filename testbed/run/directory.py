@@ -13,8 +13,20 @@ from filelock import FileLock, Timeout
 from testbed.run import foreign
 from testbed.run.foreign import is_plain
 
+RUNS = Path("reports/runs")
+"""Where runs go that are not sent elsewhere."""
 LOCK = ".lock"
-OURS = ("campaign.yaml", "plan.json", "rows.jsonl", "timings.csv", "results.csv", "results.parquet", "checks.csv", "index.html")
+OURS = (
+    "campaign.yaml",
+    "plan.json",
+    "rows.jsonl",
+    "timings.csv",
+    "results.csv",
+    "results.parquet",
+    "checks.csv",
+    "answer.json",
+    "index.html",
+)
 MANIFEST = "manifest.json"
 STUDY_FILES = "study_files"
 """Key of the manifest: names of the files that the campaign's study has written beside ours."""

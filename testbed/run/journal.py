@@ -33,6 +33,7 @@ T = TypeVar("T")
 
 _ID = re.compile("[0-9a-f]{12}")
 _ROW = re.compile(rb'\{"row":\{"flight_id":"([0-9a-f]{12})",')
+_OUTCOME = re.compile(rb'"outcome":"(\w+)"')
 _CRASHED, _NO_SERIES, _TIMINGS = b'"outcome":"crashed"', b'"series":null,"timings":', b'"timings":'  # in text a " has a \ before it
 NOT_A_ROW = (ValueError, KeyError, TypeError, AttributeError, OverflowError)
 
@@ -212,6 +213,12 @@ def id_of(line: bytes) -> str:
     """The flight of a line."""
     found = _ROW.match(line)
     return found.group(1).decode() if found else decode(line).row["flight_id"]
+
+
+def outcome_of(line: bytes) -> str:
+    """How the flight of a line ended."""
+    found = _OUTCOME.search(line) if _looks_like_a_row(line) else None
+    return found.group(1).decode() if found else decode(line).row["outcome"]
 
 
 def timings_of(line: bytes) -> dict[str, float]:

@@ -18,6 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 from pydantic_core import from_json
 
+from testbed.campaign.reading.document import in_words
 from testbed.campaign.words.grid import PART
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.canonical import canonical, cut
@@ -198,4 +199,4 @@ def _read(path: Path, read: Callable[[bytes], Any], line: bytes) -> Any:
     try:
         return read(line)
     except NOT_A_PLAN as problem:
-        raise BadInputError(f"{path}: not a plan of this version of testbed ({problem})") from None
+        raise BadInputError(f"{path}: not a plan of this version of testbed ({in_words(problem, FlightPlan)})") from None

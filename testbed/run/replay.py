@@ -11,7 +11,7 @@ from testbed.run import identity, journal, manifest
 from testbed.run.directory import BadInputError
 from testbed.run.engines import Died, LocalEngine, limited
 from testbed.run.job import Job, JobResult, Row, crashed, run_job
-from testbed.run.stored import existing, journal_read, plan_of, rows_of, world_of_run
+from testbed.run.stored import existing, journal_read, number_in, plan_of, rows_of, world_of_run
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,8 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
     """Fly one plan of a run again and record it; ``flight_id`` may be shortened as long as it fits one flight only."""
     directory = existing(path)
     about, (campaign, planned) = manifest.load(directory), plan_of(directory)
-    ids = [f"{number:012x}" for number in planned.ids.tolist()]
-    matches = [n for n, one in enumerate(ids) if one == flight_id] or [n for n, one in enumerate(ids) if one.startswith(flight_id)]
-    if len(matches) != 1:
-        shown = [ids[n] for n in matches] or ids
-        hint = "there are " + ", ".join(shown[:5]) + (", ..." if len(shown) > 5 else "")
-        raise BadInputError(f"{path}: {'several flights begin with' if matches else 'no flight'} '{flight_id}'; {hint}")
-    plan = planned.plans[matches[0]]
+    number = number_in(directory, planned, flight_id)
+    plan = planned.plans[number]
     if plan.study.part.flies:
         raise BadInputError(f"{path}: '{plan.flight_id}' is what the study '{plan.study.kind}' flies, and cannot be replayed as one flight")
     recording = (out or directory.recordings / f"{plan.flight_id}.rrd").resolve()
@@ -42,7 +37,7 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
         raise BadInputError(f"{recording}: a directory; name a file with --out")
     recording.parent.mkdir(parents=True, exist_ok=True)  # here, where what is wrong with the place can be told
     rows = rows_of(directory)
-    places = rows.places(planned.ids[matches])
+    places = rows.places(planned.ids[[number]])
     with journal_read():
         stored = rows.lines(places, journal.row_of)[0] if places[0] >= 0 else None
     engine = limited(LocalEngine(1), campaign.limits.wall_limit_s)  # in a worker, as it was flown the first time

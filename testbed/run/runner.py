@@ -2,7 +2,8 @@
 
 import os
 import shlex
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -13,10 +14,10 @@ import numpy as np
 
 from testbed.campaign.words.settings import Campaign
 from testbed.flight.record import Outcome
-from testbed.run import identity, journal, manifest, storing
+from testbed.run import identity, journal, listed, manifest, storing
 from testbed.run import planned as planned_file
 from testbed.run import world as world_files
-from testbed.run.directory import BadInputError, RunDirectory
+from testbed.run.directory import RUNS, BadInputError, RunDirectory
 from testbed.run.engines import Died, Engine, limited
 from testbed.run.job import Job, JobResult, crashed, run_job
 from testbed.run.manifest import Manifest
@@ -28,14 +29,13 @@ from testbed.run.write import write_results
 
 if TYPE_CHECKING:
     from testbed.results.checks import CheckResult
+    from testbed.show.answer import Answer
 
-RUNS = Path("reports/runs")
-
-Progress = Callable[[int, int, int], None]
-"""Called with: flights done, flights in all, flights crashed."""
+Progress = Callable[[int, int, Mapping[str, int]], None]
+"""Called with: flights done, flights in all, how those that are done ended."""
 
 
-def _silent(_done: int, _total: int, _crashed: int) -> None:
+def _silent(*_: object) -> None:
     pass
 
 
@@ -53,6 +53,7 @@ class Summary:
     """Flight id and message of the first flight, in plan order, that crashed; empty if none did."""
     plugins: tuple[str, ...] = ()
     """Files of the user's own that the campaign flies with."""
+    answer: "Answer | None" = None
 
     @property
     def crashed(self) -> int:
@@ -70,6 +71,8 @@ class Order:
     fresh: bool = False
     command: tuple[str, ...] = ()
     progress: Progress = field(default=_silent)
+    writing: Callable[[], None] = field(default=_silent)
+    """Called when the flights are done, before tables and page are written."""
     job: Callable[[Job], JobResult] = run_job
 
 
@@ -85,6 +88,7 @@ def run(order: Order) -> Summary:
         directory.put("campaign.yaml", _note_overrides(order) + text)
         world_files.store(directory, world)
         flown = _fly(directory, order, campaign, planned, about, world)
+        order.writing()
         return _written(directory, campaign, planned, flown)
 
 
@@ -159,8 +163,10 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, planned: Pla
     leg = how | {"started": _now(), "ended": None, "flights": len(left)}
     about["history"].append(leg)
     manifest.save(directory, about)
-    already, bad = len(planned) - len(left), 0
-    order.progress(already, len(planned), bad)
+    already = len(planned) - len(left)
+    with journal_read():
+        ended = Counter(rows.lines(np.flatnonzero(~rows.crashed), journal.outcome_of))
+    order.progress(already, len(planned), ended)
     out, engine = _Out(storing.jobs(directory, campaign, planned, world, left)), limited(order.engine, campaign.limits.wall_limit_s)
     try:
         with journal.appending(directory / ROWS, rows.end) as rows_file, closing(engine.imap(order.job, out)) as results:
@@ -168,8 +174,8 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, planned: Pla
                 job = out.back(number)
                 finished = crashed(job, result.reason, result.details) if isinstance(result, Died) else result
                 rows_file.append(finished)
-                bad += finished.row["outcome"] == Outcome.CRASHED.value
-                order.progress(already + count, len(planned), bad)
+                ended[finished.row["outcome"]] += 1
+                order.progress(already + count, len(planned), ended)
         leg["ended"] = _now()
     finally:
         if identity.code_hash() != about["identity"]["code"]:
@@ -194,11 +200,13 @@ class _Out:
         return self._out.pop(number)
 
 
-def report(path: Path) -> Summary:
+def report(path: Path, writing: Callable[[], None] = _silent) -> Summary:
     """Write the results of a run directory again from its rows, without flying."""
     directory = existing(path)
     with directory.locked():
-        return _written(directory, *plan_of(directory))
+        opened_plan = plan_of(directory)
+        writing()
+        return _written(directory, *opened_plan)
 
 
 def _written(directory: RunDirectory, campaign: Campaign, planned: Planned, flown: int = 0) -> Summary:
@@ -207,7 +215,8 @@ def _written(directory: RunDirectory, campaign: Campaign, planned: Planned, flow
     with journal_read():
         made = write_results(directory, about, campaign, planned, rows_of(directory))
     mixed = about["identity"]["code"] == manifest.MIXED
-    return Summary(directory.path, len(planned), made.outcomes, flown, mixed, made.checks, made.first_crash, campaign.plugins)
+    listed.refresh(directory.path)
+    return Summary(directory.path, len(planned), made.outcomes, flown, mixed, made.checks, made.first_crash, campaign.plugins, made.answer)
 
 
 def _now() -> str:

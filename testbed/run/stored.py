@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from testbed.campaign.reading.document import in_words
 from testbed.campaign.words.settings import Campaign
 from testbed.run import journal, manifest, planned, world
 from testbed.run.directory import MANIFEST, BadInputError, RunDirectory
@@ -33,7 +34,24 @@ def plan_of(directory: RunDirectory) -> tuple[Campaign, Planned]:
     try:
         return Campaign.model_validate(plan.campaign), plan
     except ValueError as problem:
-        raise BadInputError(f"{directory / PLAN}: not a plan of this version of testbed ({problem})") from None
+        raise BadInputError(f"{directory / PLAN}: not a plan of this version of testbed ({in_words(problem)})") from None
+
+
+def number_in(directory: RunDirectory, plan: Planned, flight_id: str) -> int:
+    """Which flight of a plan is meant; its id may be shortened as long as it fits one flight only. Raises ``BadInputError``."""
+    ids = [f"{number:012x}" for number in plan.ids.tolist()]
+    matches = [n for n, one in enumerate(ids) if one == flight_id] or [n for n, one in enumerate(ids) if one.startswith(flight_id)]
+    if len(matches) != 1:
+        shown = [ids[n] for n in matches] or ids
+        hint = "there are " + ", ".join(shown[:5]) + (", ..." if len(shown) > 5 else "")
+        raise BadInputError(f"{directory.path}: {'several flights begin with' if matches else 'no flight'} '{flight_id}'; {hint}")
+    return matches[0]
+
+
+def flight_of(directory: RunDirectory, flight_id: str) -> str:
+    """The whole id of a flight; nothing of the run is imported for it, which may have plug-ins of anybody's."""
+    plan = planned.opened(directory / PLAN)
+    return f"{plan.ids[number_in(directory, plan, flight_id)]:012x}"
 
 
 def world_of_run(directory: RunDirectory) -> World:

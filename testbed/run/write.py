@@ -1,7 +1,8 @@
-"""From the rows of a run to its files: tables, checks, page, those of its study. In plan order; the same bytes for the same rows."""
+"""From the rows of a run to its files: tables, checks, answer, page, those of its study. In plan order; same rows, same bytes."""
 
 import csv
 import io
+import json
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -19,11 +20,15 @@ from testbed.run.job import Row
 from testbed.run.journal import Index, decode, id_of, row_of, timings_of
 from testbed.run.manifest import Manifest, provenance
 from testbed.run.planned import Planned
+from testbed.show.answer import Answer, Tally
 from testbed.studies.study import Run, Written
 
 if TYPE_CHECKING:
     from testbed.results.checks import CheckResult
     from testbed.results.columns import Kind
+
+
+ANSWER = "answer.json"
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,7 @@ class Results:
     outcomes: dict[str, int]
     first_crash: str
     """Flight id and message of the first flight, in plan order, that crashed; empty if none did."""
+    answer: Answer
 
 
 def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, planned: Planned, index: Index) -> Results:
@@ -69,7 +75,15 @@ def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, 
 
         page = render_page(campaign, rows, series, told, checks, made.head)
     directory.put("index.html", utf8(page))
-    return Results(checks, dict(counted.outcomes), counted.first_crash)
+    answer = made.answer or counted.tally.answer(checks)
+    directory.put(ANSWER, utf8(_answer_text(campaign, answer, counted.outcomes, len(planned))))
+    return Results(checks, dict(counted.outcomes), counted.first_crash, answer)
+
+
+def _answer_text(campaign: Campaign, answer: Answer, outcomes: Counter[str], planned: int) -> str:
+    """What a list of runs tells of this one, so that it need not look into its tables."""
+    told = {"question": campaign.question, "flights_planned": planned, "outcomes": dict(sorted(outcomes.items())), **answer.as_dict()}
+    return json.dumps(told, indent=1, allow_nan=False) + "\n"
 
 
 class _Counted:
@@ -78,11 +92,13 @@ class _Counted:
     def __init__(self, rows: Iterable[Row]):
         self._rows = rows
         self.outcomes: Counter[str] = Counter()
+        self.tally = Tally()
         self.first_crash = ""
 
     def __iter__(self) -> Iterator[Row]:
         for row in self._rows:
             self.outcomes[row["outcome"]] += 1
+            self.tally.add(row)
             if row["outcome"] == Outcome.CRASHED.value and not self.first_crash:
                 self.first_crash = f"{row['flight_id']}: {row['message']}"
             yield row

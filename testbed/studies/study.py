@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 if TYPE_CHECKING:
     from testbed.campaign.words.settings import Campaign, FlightPlan
     from testbed.campaign.words.study import Labels
+    from testbed.show.answer import Answer
     from testbed.show.assets import PageHead
 
 Row = dict[str, Any]
@@ -51,6 +52,8 @@ class Written:
     """What stands on top of the ordinary page, which is folded up below it."""
     page: str | None = None
     """A page of its own instead."""
+    answer: "Answer | None" = None
+    """What it found, in three lines; by default what became of the clearance."""
 
 
 class Study:

@@ -100,10 +100,12 @@ def test_a_check_is_told_line_by_line_and_a_miss_is_exit_1(tmp_path):
     check = ROOT / "campaigns" / "check" / "excess_power.yaml"
     good = testbed("run", check, "--out", "good", cwd=tmp_path)
     assert (good.returncode, good.stdout) == (0, "good\n"), good.stderr
-    assert "check passed: jsbsim gtm_t2: specific excess power: " in good.stderr
+    head, *lines = good.stderr[good.stderr.index("check   quantity") :].splitlines()[:4]
+    assert [line.split()[0] for line in lines] == ["passed"] * 3
+    assert {line[head.index("unit") :] for line in lines} == {"", "m/s"}  # the columns stand below each other
     bad = testbed("run", check, "--out", "bad", "--set", "check.steepest_climb_deg=21", cwd=tmp_path)
     assert (bad.returncode, bad.stdout) == (1, "bad\n")
-    assert "check missed: jsbsim gtm_t2: specific excess power: " in bad.stderr
+    assert "\nmissed  jsbsim gtm_t2: specific excess power" in bad.stderr
     assert "1 of 3 checks missed" in bad.stderr
     assert testbed("report", "bad", cwd=tmp_path).returncode == 1
 

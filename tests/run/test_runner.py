@@ -21,7 +21,17 @@ def test_a_run_directory_holds_what_it_should(tmp_path):
     summary = fly(tmp_path)
     assert (summary.planned, summary.flown_now, summary.outcomes) == (8, 8, {"reached": 8})
     assert set(contents(summary.directory)) == {
-        *("campaign.yaml", "plan.json", "manifest.json", "rows.jsonl", "results.csv", "results.parquet", "timings.csv", "index.html"),
+        *(
+            "campaign.yaml",
+            "plan.json",
+            "manifest.json",
+            "rows.jsonl",
+            "results.csv",
+            "results.parquet",
+            "timings.csv",
+            "answer.json",
+            "index.html",
+        ),
         ".lock",
     }
     plan, manifest = (json.loads((tmp_path / "out" / name).read_text()) for name in ("plan.json", "manifest.json"))

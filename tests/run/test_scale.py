@@ -214,7 +214,7 @@ def test_the_estimate_is_near_what_a_run_writes(tmp_path):
         name = path.relative_to(out).parts[0]
         really[name] = really.get(name, 0) + (path.stat().st_size if path.is_file() else 0)
     assert {name: (size, really[name]) for name, size in of.bytes.items() if not 0.75 < size / really[name] < 1.25} == {}
-    assert set(of.bytes) == set(really) - {".lock", "campaign.yaml", "manifest.json", "index.html"}
+    assert set(of.bytes) == set(really) - {".lock", "campaign.yaml", "manifest.json", "answer.json", "index.html"}
     assert really["index.html"] < 5_000_000
 
 

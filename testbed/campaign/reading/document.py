@@ -192,3 +192,15 @@ def faults_of(error: ValidationError, root: type[BaseModel] = Campaign) -> list[
         if item["type"] == "extra_forbidden" and hint.startswith("did you mean"):
             misspelt.add((*loc[:-1], hint.split("'")[1]))
     return [fault for fault in found if not (fault.loc in misspelt and fault.message == "this key is missing")]
+
+
+MOST_TOLD = 3
+
+
+def in_words(problem: Exception, root: type[BaseModel] = Campaign) -> str:
+    """What is wrong with data that did not fit ``root``, on one line; another exception says it itself."""
+    if not isinstance(problem, ValidationError):
+        return str(problem)
+    faults = faults_of(problem, root)
+    more = f"; and {len(faults) - MOST_TOLD} more" if len(faults) > MOST_TOLD else ""
+    return "; ".join(f"{'.'.join(map(str, one.loc))}: {one.message}" for one in faults[:MOST_TOLD]) + more

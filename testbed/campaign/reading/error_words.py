@@ -21,6 +21,8 @@ _BOUNDS = {
 _WANTED = {
     "float_type": "a number",
     "int_type": "a whole number",
+    "float_parsing": "a number",  # these two of text, as a command line has it
+    "int_parsing": "a whole number",
     "string_type": "a text",
     "bool_type": "true or false",
     "tuple_type": "a list",
@@ -75,10 +77,10 @@ def worded(error: ErrorDetails, root: type[BaseModel] = Campaign) -> tuple[Loc, 
         return (*loc, "kind"), "this key is missing", ""
     if kind == "union_tag_invalid":
         return (*loc, "kind"), *_choice(context["expected_tags"], value["kind"])
-    return loc, *_unfit(error, unit_of(loc))
+    return loc, *unfit(error, unit_of(loc))
 
 
-def _unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
+def unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     """(message, hint) about a value that is where it should be, but not what it should be."""
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
     hint = ""

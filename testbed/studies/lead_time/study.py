@@ -32,9 +32,10 @@ class LeadTimeStudy(Study):
         return "found" if math.isfinite(found.lead_s) else "not_found", asdict(found)
 
     def write(self, run: Run) -> Written:
+        from testbed.studies.lead_time.answer import answer
         from testbed.studies.lead_time.line import Searches, csv_text, line_of
         from testbed.studies.lead_time.page import page_text
 
         lines = tuple(line_of(plan, row) for plan, row in zip(run.plans, run.rows, strict=True) if "found" in row)
         study = Searches(run.campaign.question, run.campaign.seed, lines, dict(run.provenance))
-        return Written({"lead_time.csv": csv_text(lines).encode()}, page=page_text(study))
+        return Written({"lead_time.csv": csv_text(lines).encode()}, page=page_text(study), answer=answer(lines))

@@ -11,3 +11,6 @@ def audit(out: Annotated[Path, typer.Option(help="Where audit.csv and audit.html
     from testbed.studies.scoam.audit.report import write_audit
 
     return [str(file) for file in write_audit(out)]
+
+
+audit.examples = ("testbed audit", "testbed audit --out /tmp/audit")  # type: ignore[attr-defined]

@@ -1,0 +1,197 @@
+"""Two run directories, opened to be compared: their flights, what they were given, and how they were judged. Half-finished ones too."""
+
+import csv
+import hashlib
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from testbed.core.canonical import canonical
+from testbed.results.columns import METRICS, Kind
+from testbed.results.compare import FOUND, Compared, Flight, NotComparableError, compare, flight
+from testbed.run import identity, journal, listed, manifest, planned
+from testbed.run.directory import BadInputError, RunDirectory
+from testbed.run.planned import Planned
+from testbed.run.stored import PLAN, existing, journal_read, rows_of
+from testbed.show import words
+from testbed.show.compare import Change, Comparison, Side
+from testbed.show.gathered import HEADLINES
+
+MEASURED: Final = tuple(column.name for column in METRICS if column.kind in (Kind.NUMBER, Kind.WHOLE))
+ENCOUNTER: Final = ("route", "geometry", "obstacles")
+"""Keys of a flight's plan that say what it meets."""
+LONGEST: Final = 60
+
+
+@dataclass(frozen=True)
+class _Opened:
+    """A run, with what is compared of it."""
+
+    directory: RunDirectory
+    about: Mapping[str, Any]
+    plan: Planned
+    flights: Sequence[Flight]
+    searched: bool
+    """Whether a study has searched, and not flown once, in the place of each flight."""
+
+
+def compared(first: Path, second: Path, on: Sequence[str] = ()) -> Comparison:
+    """What differs between two runs. Raises ``BadInputError`` for what is no run, and for two that cannot be compared."""
+    if first.resolve() == second.resolve():
+        raise BadInputError(f"{first}: is the same run as {second}; give two")
+    runs = [_opened(path) for path in (first, second)]
+    for run in runs:
+        if not run.flights:
+            raise BadInputError(f"{run.directory.path}: no flight of it is done yet")
+    if runs[0].searched != runs[1].searched:
+        which = [run.directory.path for run in sorted(runs, key=lambda run: run.searched)]
+        raise BadInputError(f"{which[1]} holds searches of a study, {which[0]} flights: there is nothing that both have")
+    try:
+        found = compare(runs[0].flights, runs[1].flights, on, HEADLINES)
+    except NotComparableError as problem:
+        raise BadInputError(f"{first} and {second} cannot be compared: {problem}") from None
+    names = _names(first, second)
+    judged, changed, in_both = _judgements(runs)
+    settings = _settings(runs)
+    sides = [_side(run, name) for run, name in zip(runs, names, strict=True)]
+    return Comparison(sides[0], sides[1], found, _notes(runs, names, found), settings, judged, changed, in_both)
+
+
+def _opened(path: Path) -> _Opened:
+    directory = existing(path)
+    about = manifest.load(directory)
+    if not (directory / PLAN).is_file():
+        raise BadInputError(f"{path}: no {PLAN} here; its run ended before it began")
+    plan = planned.opened(directory / PLAN)
+    index = rows_of(directory)
+    places = index.places(plan.ids)
+    with journal_read():
+        rows = index.lines(places[np.flatnonzero(places >= 0)], journal.row_of)
+        searched = any(FOUND in row for row in islice(rows, 1))
+        flights = [flight(row, MEASURED) for row in rows]
+    return _Opened(directory, about, plan, flights, searched)
+
+
+def _names(first: Path, second: Path) -> tuple[str, str]:
+    """As short as tells them apart."""
+    one, other = first.resolve(), second.resolve()
+    return (one.name, other.name) if one.name != other.name else (f"{one.parent.name}/{one.name}", f"{other.parent.name}/{other.name}")
+
+
+def _side(run: _Opened, name: str) -> Side:
+    path = run.directory.path
+    page = (path / "index.html").resolve().as_uri() if (path / "index.html").is_file() else ""
+    question = run.plan.campaign.get("question", "")
+    return Side(
+        name, str(path), question if isinstance(question, str) else "", listed.when(run.about), len(run.plan), len(run.flights), page
+    )
+
+
+def _notes(runs: Sequence[_Opened], names: Sequence[str], found: Compared) -> list[str]:
+    """What a reader has to know before the figures."""
+    said = []
+    for run, name in zip(runs, names, strict=True):
+        if len(run.flights) < len(run.plan):
+            said.append(f"{name} is not finished: {len(run.flights)} of {words.counted(len(run.plan), 'flight')}")
+        if run.about["identity"]["code"] == manifest.MIXED:
+            said.append(f"the code changed while {name} was flown, so its flights may not be of one code")
+    if alone := [f"{count} of {name}" for count, name in ((found.only_first, names[0]), (found.only_second, names[1])) if count]:
+        said.append(f"without a partner, and left out: {words.listed(alone)}")
+    if left := [
+        axis for axis in dict.fromkeys(axis for run in runs for one in run.flights[:1] for axis in one.labels) if axis not in found.axes
+    ]:
+        said.append(f"paired by {', '.join([*found.axes, 'replicate'])}; not by {', '.join(left)}")
+    if runs[0].about["seed"] != runs[1].about["seed"]:
+        said.append("the seeds differ, so that whatever is drawn is drawn otherwise: pairs are not of the same draw")
+    other = _other_encounters(runs, found)
+    if other:
+        said.append(f"in {other} of {words.counted(len(found.pairs), 'pair')} the two fly another route or meet other obstacles")
+    return said
+
+
+def _other_encounters(runs: Sequence[_Opened], found: Compared) -> int:
+    """In how many pairs the two flights were given different encounters."""
+    mine, theirs = (_encounters(run.plan) for run in runs)
+    return sum(mine[pair.first.flight_id] != theirs[pair.second.flight_id] for pair in found.pairs)
+
+
+def _encounters(plan: Planned) -> dict[str, bytes]:
+    try:
+        return {
+            one["flight_id"]: hashlib.blake2b(canonical({key: one.get(key) for key in ENCOUNTER}), digest_size=8).digest()
+            for one in plan.flights
+        }
+    except planned.NOT_A_PLAN as problem:
+        raise BadInputError(f"{plan.path}: damaged, or not a plan of this version of testbed ({problem})") from None
+
+
+def _settings(runs: Sequence[_Opened]) -> list[Change]:
+    """Settings of the campaigns, code and versions that are not the same."""
+    campaigns = [identity.flat(run.plan.campaign) for run in runs]
+    origins = [identity.flat(_origin(run.about)) for run in runs]
+    return [*_changes(*campaigns), *_changes(*origins)]
+
+
+def _origin(about: Mapping[str, Any]) -> dict[str, Any]:
+    names = about["identity"]
+    return {
+        "code": names["code"],
+        "revision": about["revision"],
+        "version": names["versions"],
+        "plug-in": names["plugins"],
+        "package": names["packages"],
+        "aircraft": {name: files.get("aircraft.yaml") for name, files in about["aircraft"].items()},
+    }
+
+
+def _changes(first: Mapping[str, Any], second: Mapping[str, Any]) -> list[Change]:
+    absent = object()
+    return [
+        Change(key, _shown(first, key), _shown(second, key))
+        for key in dict.fromkeys([*first, *second])
+        if key and first.get(key, absent) != second.get(key, absent)
+    ]
+
+
+def _shown(leaves: Mapping[str, Any], key: str) -> str:
+    if key not in leaves or leaves[key] is None:
+        return words.DASH
+    leaf = leaves[key]
+    text = leaf if isinstance(leaf, str) else json.dumps(leaf)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
+
+
+JUDGEMENTS: Final = (("verdict.csv", "key", "word", ("condition",), "text"), ("checks.csv", "quantity", "verdict", (), "quantity"))
+"""File, and its columns: what is judged, the word, what completes it, and what is judged in words."""
+
+
+def _judgements(runs: Sequence[_Opened]) -> tuple[str, list[Change], int]:
+    """The file in which both runs are judged, the words that differ, and how many are in both."""
+    for name, key, word, more, text in JUDGEMENTS:
+        tables = [_table(run.directory / name, key) for run in runs]
+        if not all(tables):
+            continue
+        both = [one for one in tables[0] if one in tables[1]]
+        said = [[" ".join(filter(None, (table[one].get(column) for column in (word, *more)))) for one in both] for table in tables]
+        changed = [
+            Change(one, first, second, tables[0][one].get(text) or "")
+            for one, first, second in zip(both, *said, strict=True)
+            if tables[0][one].get(word) != tables[1][one].get(word)
+        ]
+        return name, changed, len(both)
+    return "", [], 0
+
+
+def _table(file: Path, key: str) -> dict[str, dict[str, str]]:
+    """Rows of a CSV by one of its columns; none where it cannot be read."""
+    try:
+        reader = csv.DictReader(io.StringIO(file.read_text(encoding="utf-8")))
+        return {row[key]: row for row in reader if row.get(key)}
+    except (OSError, UnicodeDecodeError, csv.Error):
+        return {}

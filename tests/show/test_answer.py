@@ -1,0 +1,74 @@
+"""What a run says at its end, from rows whose counts are known."""
+
+import json
+import re
+
+import pytest
+
+from testbed.results.checks import CheckResult
+from testbed.show.answer import Answer, Tally, counted_bars, read
+from testbed.show.runs_page import thumbnail
+
+NASTY = "</title><script>alert(1)</script>"
+
+
+def row(flight_id, method, clearance_m, plant="jsbsim", **more):
+    outcome = "collided" if clearance_m < 0.0 else "reached"
+    who = {"flight_id": flight_id, "plant": plant, "aircraft": "gtm_t2", "method": method, "labels": {}, "outcome": outcome}
+    return who | {"least_clearance_m": clearance_m, "cross_track_max_m": 1.5} | more
+
+
+def told(rows, checks=()):
+    tally = Tally()
+    for one in rows:
+        tally.add(one)
+    return tally.answer(checks)
+
+
+def test_it_says_who_kept_clear_and_which_flight_to_look_at():
+    answer = told([row("a", "none", -20.0), row("b", "scoam", 2.0, "kinematic"), row("c", "scoam", -3.25), row("d", "scoam", -1.0)])
+    assert answer.lines == (
+        "Every radius was kept with no avoidance in 0 of 1 and with SCOAM in 1 of 3.",
+        "With avoidance it was kept by kinematic point in 1 of 1 and by gtm_t2 flown in JSBSim in 0 of 2.",
+        "Closest with avoidance: 3.25 m inside (gtm_t2 flown in JSBSim, SCOAM; flight c).",
+    )
+    assert answer.flight == "c"
+    assert [(bar.name, bar.n, bar.tone) for bar in answer.bars][-1] == ("gtm_t2 flown in JSBSim, SCOAM", 2, "bad")
+
+
+def test_of_many_methods_it_names_the_best_and_the_worst():
+    rows = [row(f"{name}{k}", name, 1.0 if k < kept else -1.0) for name, kept in (("a", 1), ("b", 4), ("c", 0), ("d", 2)) for k in range(4)]
+    assert told(rows).lines[0] == "Every radius was kept most often with b, in 4 of 4, and least often with c, in 0 of 4 (4 compared)."
+
+
+def test_without_an_obstacle_it_says_how_far_from_the_path():
+    answer = told([row("a", "none", float("nan")), row("b", "none", float("nan"), cross_track_max_m=2.5)])
+    assert answer.lines == ("Farthest from its path: 2.50 m (gtm_t2 flown in JSBSim, no avoidance; flight b).",)
+
+
+def test_a_check_says_whether_it_passed():
+    checks = [CheckResult("radius", "m", 10.0, 10.1, 0.2), CheckResult("time", "s", 1.0, 3.0, 0.2)]
+    assert told([], checks[:1]).lines == ("Check passed: 1 line, each within its tolerance.",)
+    assert told([], checks).lines == ("Check missed: 1 of 2 lines out of tolerance.",)
+
+
+def test_it_comes_back_from_its_file_and_nothing_else_does():
+    answer = told([row("a", "scoam", 2.0), row("b", "none", -1.0)])
+    stored = json.loads(json.dumps(answer.as_dict()))
+    assert read(stored) == answer
+    broken = [{}, [], None, {**stored, "lines": "x"}, {**stored, "of": 3}, {**stored, "bars": [{"name": "x"}]}]
+    broken += [
+        {**stored, "bars": [stored["bars"][0] | change]} for change in ({"low": "0"}, {"tone": "x onload=y"}, {"name": 3}, {"n": None})
+    ]
+    assert [read(one) for one in broken] == [None] * len(broken)
+
+
+@pytest.mark.parametrize(
+    "answer", [told([row("a", NASTY, 2.0), row("b", "none", -1.0)]), Answer((), counted_bars([(NASTY, 3, "bad")]), "count")]
+)
+def test_its_picture_is_harmless_and_stays_inside_of_its_frame(answer):
+    svg = thumbnail(answer)
+    assert "<script" not in svg
+    wide = float(re.search(r'viewBox="0 0 (\d+)', svg)[1])
+    for x, width in re.findall(r'<rect x="([\d.-]+)" y="[\d.]+" width="([\d.]+)"', svg):
+        assert 0.0 <= float(x) <= float(x) + float(width) <= wide
