@@ -42,8 +42,9 @@ def written(path: Path, name: str, recording_id: str, skin: rrb.Blueprint) -> It
 
 
 def readable(text: str) -> str:
-    """What the viewer's font can show: it ends at once over a letter that the font has not. Latin, Greek, Cyrillic are safe."""
-    return "".join(letter if letter in "\n\t" or 0x20 <= ord(letter) < 0x590 or letter in KNOWN else "?" for letter in text)
+    """With a question mark for what the viewer's font has not: it may end at once over such a letter."""
+    return "".join(letter if letter in KNOWN or any(low <= ord(letter) <= high for low, high in LETTERS) else "?" for letter in text)
 
 
-KNOWN = "\N{EN DASH}\N{EM DASH}\N{MINUS SIGN}\N{PRIME}\N{MULTIPLICATION SIGN}\N{RIGHTWARDS ARROW}\N{LESS-THAN OR EQUAL TO}\N{BULLET}"
+LETTERS = ((0x20, 0x7E), (0xA0, 0x17F), (0x391, 0x3C9), (0x410, 0x44F))  # Latin, Greek, Cyrillic
+KNOWN = frozenset("\n\t\N{EN DASH}\N{MINUS SIGN}\N{PRIME}\N{MULTIPLICATION SIGN}\N{COMBINING CIRCUMFLEX ACCENT}")

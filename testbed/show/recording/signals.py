@@ -15,6 +15,7 @@ from testbed.show import palette
 from testbed.show.flight_summary import changes, leg_names
 from testbed.show.palette import rgba
 from testbed.show.pilot_log import pilot_log
+from testbed.show.recording.file import readable
 from testbed.show.recording.timeline import Clock, thinned
 from testbed.show.velocity_space import Sight
 from testbed.show.words import number
@@ -78,7 +79,7 @@ def log(clock: Clock, record: FlightRecord, metrics: FlightMetrics, rows: np.nda
     clock.send(
         "events",
         np.array([line.time_s for line in lines]),
-        lambda k: rr.TextLog.columns(text=[lines[row].text for row in k], level=[lines[row].level for row in k]),
+        lambda k: rr.TextLog.columns(text=[readable(lines[row].text) for row in k], level=[lines[row].level for row in k]),
     )
     told = _flat(record, every)
     clock.send(
