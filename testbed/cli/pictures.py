@@ -29,6 +29,8 @@ def overlay(
 
         found = fly_all(directory, cell, out, every)
     say(f"{len(found.names)} flights: {'; '.join(found.names)}", sys.stderr)
+    for line in found.differences:
+        say(f"differs from the run (other code or packages?): {line}", sys.stderr)
     for line in found.left_out:
         say(f"left out: {line}", sys.stderr)
     say(str(found.recording))

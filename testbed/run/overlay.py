@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from testbed.core.canonical import canonical
 from testbed.run import journal
 from testbed.run.directory import BadInputError, RunDirectory
-from testbed.run.engines import Died, LocalEngine, limited, usable_cores
+from testbed.run.engines import Died, Engine, LocalEngine, limited, usable_cores
 from testbed.run.job import Job, JobResult, Row
 from testbed.run.planned import Planned
-from testbed.run.stored import existing, plan_of, rows_of, world_of_run
+from testbed.run.stored import existing, journal_read, plan_of, rows_of, world_of_run
 from testbed.show import words
 
 if TYPE_CHECKING:
@@ -48,9 +48,11 @@ class Overlay:
     recording: Path
     names: tuple[str, ...]
     left_out: tuple[str, ...]
+    differences: tuple[str, ...]
+    """Flights that came out otherwise than their row in the run says: the code, or a package, is not that of the run."""
 
 
-def overlay(path: Path, cell: str, out: Path | None = None, every: bool = False) -> Overlay:
+def overlay(path: Path, cell: str, out: Path | None = None, every: bool = False, engine: Engine | None = None) -> Overlay:
     """Fly the rungs of a flight or cell again, and write them into one recording. ``every``: also those of a limit switched off.
 
     Raises ``BadInputError`` for a cell that the run does not have, with the nearest ones.
@@ -68,9 +70,10 @@ def overlay(path: Path, cell: str, out: Path | None = None, every: bool = False)
     recording.parent.mkdir(parents=True, exist_ok=True)
     world = world_of_run(directory)
     jobs = [Job(plan, world=world) for plan in planned.some(chosen)]
-    engine = limited(LocalEngine(min(len(jobs), usable_cores())), campaign.limits.wall_limit_s)
-    answers = dict(engine.imap(flown_job, jobs))
-    return _written(recording, [flights[number] for number in chosen], [answers[k] for k in range(len(jobs))])
+    flies = limited(engine or LocalEngine(min(len(jobs), usable_cores())), campaign.limits.wall_limit_s)
+    answers = dict(flies.imap(flown_job, jobs))
+    before = _least_of_rows(directory, planned, chosen)
+    return _written(recording, [flights[number] for number in chosen], [answers[k] for k in range(len(jobs))], before)
 
 
 def flown_job(job: Job) -> JobResult:
@@ -83,15 +86,18 @@ def flown_job(job: Job) -> JobResult:
     return JobResult({}, {"record": record, "metrics": measure(record)}, {})
 
 
-def _written(recording: Path, flights: list[Row], answers: list[Any]) -> Overlay:
+def _written(recording: Path, flights: list[Row], answers: list[Any], before: list[float | None]) -> Overlay:
     from testbed.show.recording.overlay import Flown, can_be_shown, write_overlay
 
-    names, shown, left_out = _names(flights), list["Flown"](), []
-    for name, answer in zip(names, answers, strict=True):
+    shown, left_out, differences = list["Flown"](), list[str](), list[str]()
+    for name, answer, was in zip(_names(flights), answers, before, strict=True):
         if isinstance(answer, Died):
             left_out.append(f"{name}: {answer.reason}")
             continue
         flown = Flown(name, answer.series["record"], answer.series["metrics"])
+        now = flown.metrics.least_clearance_m
+        if was is not None and not (was == now or (math.isnan(was) and math.isnan(now))):
+            differences.append(f"{name}: {words.clearance(now)}, and {words.clearance(was)} by its row")
         if can_be_shown(flown):
             shown.append(flown)
         else:
@@ -100,7 +106,7 @@ def _written(recording: Path, flights: list[Row], answers: list[Any]) -> Overlay
         raise BadInputError(f"none of the flights can be shown: {'; '.join(left_out)}")
     first = flights[0]
     write_overlay(shown, f"{first['campaign']}: {first['cell'] or first['flight_id']} and its other rungs", recording)
-    return Overlay(recording, tuple(flown.name for flown in shown), tuple(left_out))
+    return Overlay(recording, tuple(flown.name for flown in shown), tuple(left_out), tuple(differences))
 
 
 def _asked(path: Path, flights: list[Row], cell: str) -> int:
@@ -157,13 +163,18 @@ def _chosen(directory: RunDirectory, planned: Planned, flights: list[Row], asked
 
 def _worst(directory: RunDirectory, planned: Planned, numbers: list[int]) -> int:
     """Of some flights the one that came closest, by their rows; the first while none has a row."""
+    least = _least_of_rows(directory, planned, numbers)
+    close = [(value, n) for value, n in zip(least, numbers, strict=True) if value is not None and math.isfinite(value)]
+    return min(close)[1] if close else numbers[0]
+
+
+def _least_of_rows(directory: RunDirectory, planned: Planned, numbers: list[int]) -> list[float | None]:
+    """The least clearance of each flight by its row; None where it has none."""
     rows = rows_of(directory)
     places = rows.places(planned.ids[numbers])
-    known = [n for n, place in zip(numbers, places, strict=True) if place >= 0]
-    found = rows.lines(places[places >= 0], journal.row_of)
-    least = [row["least_clearance_m"] for row in found]
-    close = [(value, n) for value, n in zip(least, known, strict=True) if math.isfinite(value)]
-    return min(close)[1] if close else numbers[0]
+    with journal_read():
+        found = iter(rows.lines(places[places >= 0], journal.row_of))
+        return [next(found)["least_clearance_m"] if place >= 0 else None for place in places]
 
 
 def _names(flights: list[Row]) -> list[str]:

@@ -21,7 +21,7 @@ from testbed.show.recording.file import readable, written
 from testbed.show.recording.film import Text, log_camera, places_of
 from testbed.show.recording.scene import log_aircraft, log_arrow, log_label, log_sphere, log_trail
 from testbed.show.recording.signals import limit_lines, log_curve, log_level
-from testbed.show.recording.timeline import ENCOUNTER, Clock, trail_ranges
+from testbed.show.recording.timeline import TICK_S, Clock, trail_ranges
 from testbed.show.true_size import wing_span_m
 from testbed.show.words import number
 
@@ -179,7 +179,7 @@ def live_names(run: "_Run") -> list[str]:
     closest = run.window.closest_s - run.window.begin_s
     return [
         f"{run.flown.name}: passed {words.clearance(run.flown.metrics.least_clearance_m)}"
-        if t > closest
+        if t > closest + TICK_S
         else f"{run.flown.name}: {words.clearance(now)}"
         for t, now in zip(run.time_s, run.clearance_m, strict=True)
     ]
@@ -194,7 +194,7 @@ def _log_names(clock: Clock, root: str, runs: list[_Run], own: list[Array], surf
     texts: list[Text] = []
     for k, run in enumerate(runs):
         hit = inside(run.clearance_m) | (
-            inside(run.flown.metrics.least_clearance_m) & (run.time_s > run.window.closest_s - run.window.begin_s)
+            inside(run.flown.metrics.least_clearance_m) & (run.time_s > run.window.closest_s - run.window.begin_s + TICK_S)
         )
         colours = np.where(hit[:, None], rgba(palette.ALARM), rgba(run.colour)).astype(np.uint8)
         said = live_names(run)
@@ -273,6 +273,3 @@ def _blueprint(runs: list[_Run]) -> rrb.Blueprint:
         row_shares=[3, 2, 2, 3],
     )
     return layout.page(rrb.Horizontal(rrb.Vertical(close, relative, row_shares=[4, 3]), panels, column_shares=[5, 3]), plays=True)
-
-
-__all__ = ["COLOURS", "ENCOUNTER", "Flown", "can_be_shown", "write_overlay"]
