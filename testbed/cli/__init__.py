@@ -8,9 +8,9 @@ from testbed.core import one_thread
 one_thread.ask()
 
 from testbed.cli.shell import BAD_INPUT, CRASHED, INTERRUPTED, app, told
-from testbed.cli import runs, between, parts, aircraft, streams
+from testbed.cli import runs, between, pictures, parts, aircraft, streams
 
-__all__ = ["aircraft", "app", "between", "main", "parts", "runs"]
+__all__ = ["aircraft", "app", "between", "main", "parts", "pictures", "runs"]
 
 
 def main() -> None:

@@ -1,5 +1,6 @@
 """Where JSBSim finds an aircraft's model and what that is made of, without loading JSBSim: files, engines, what is missing."""
 
+import math
 from collections.abc import Iterator
 from functools import cache
 from importlib.util import find_spec
@@ -8,8 +9,12 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
+from testbed.core.units import FT
+
 SECTIONS = "mass_balance ground_reactions external_reactions buoyant_forces propulsion system autopilot flight_control aerodynamics".split()
 """Those that may be in a file of their own."""
+
+SPAN_UNITS_M = {"FT": FT, "IN": FT / 12.0, "M": 1.0}
 
 
 class Missing(NamedTuple):
@@ -46,6 +51,15 @@ def read_xml(file: Path) -> Element:
 def engines(model: Element, file: Path) -> int:
     """How many engines it has, those of a propulsion file of its own included."""
     return sum(1 for section in _sections(model, file) for _ in section.iter("engine"))
+
+
+def wing_span_m(model: Element) -> float:
+    """From tip to tip, as the model's file has it; NaN where it does not say, or in no unit that JSBSim knows."""
+    told = model.find("metrics/wingspan")
+    try:
+        return float(told.text or "") * SPAN_UNITS_M[told.get("unit", "FT")] if told is not None else math.nan
+    except (ValueError, KeyError):
+        return math.nan
 
 
 def missing_files(model: Element, file: Path) -> list[Missing]:

@@ -15,11 +15,18 @@ Array = np.ndarray
 RIGHT_ANGLE = 90.0 * DEG
 
 LEGEND = """### Reading the pictures
-Scene: grey the original path, yellow the avoidance, green the way back, blue the trail flown; the aeroplane is drawn larger
-than life at its true position and attitude; arrows reach half a second ahead; the grid (50 m) lies on the ground.
+Encounter and chase: the aircraft at its true size, the line to the nearest point of the sphere with its length, red inside. Grey the
+original path, yellow the avoidance, green the way back, blue the trail flown. Arrows at the aircraft are velocities, all on one scale:
+blue over the ground, pale green through the air, and the wind, which blows to the aircraft; streaks move with the air.
 
-Velocity space: the sphere holds the velocities of the present speed, the red cone what would lead to a collision with an obstacle in range,
-the orange patch its spherical cap while it is a threat; blue the own velocity, purple the commanded one.
+Whole route: the aircraft larger than life, as its tab says; arrows reach half a second ahead. The grid (50 m) lies on the ground.
+
+Time: the recording opens on the encounter, from the decision on, four times slower than it is; the whole flight is `sim_time`, in the
+time panel's list.
+
+Velocity space, as in the paper: VS the sphere of velocities of the present speed; ACC, the red cone with its apex P_3-DVO at v_o, what will
+be a collision; RCC the same cone as seen from the obstacle, for v_uo; SC the cap that ACC cuts out of VS, with its centre M, B and C
+its critical velocities, gamma the angle between M and B; S and S\N{PRIME} where two caps meet; purple the velocity that was chosen.
 """
 
 
@@ -84,34 +91,8 @@ def radius_m(curvature_1pm: float) -> float:
     return math.inf if curvature_1pm == 0.0 else 1.0 / curvature_1pm
 
 
-def event_sentence(event: ReplanEvent) -> str:
-    """One line of the event log."""
-    if event.decision == Decision.REJOINED:
-        back = f"way back of {number(event.planned_length_m, 0)} m planned, {number(event.route_miss_m, 0)} m from the centre at least"
-        return f"{event.obstacle}: clear, {back}"
-    if event.decision == Decision.STEERED:
-        return (
-            f"{event.obstacle}: {words.method(event.method)} steers, straight lines would pass {number(event.miss_m, 1)} m from the centre"
-        )
-    if event.decision == Decision.PLANNED:
-        path = f"{event.method} planned another path of {number(event.planned_length_m, 0)} m"
-        return f"{event.obstacle}: {path}" if event.obstacle else path
-    if event.decision != Decision.REPLANNED:
-        why = f"{words.read_aloud(event.decision)} ({event.reason or f'status {words.read_aloud(event.status)}'})"
-        return f"{event.obstacle}: {words.method(event.method)} kept the path, {why}"
-    azimuth, elevation = direction_deg(event.command_enu_mps)
-    bend = event.max_curvature_to_insertion_1pm
-    path = f"least radius {number(radius_m(bend), 0)} m" if math.isfinite(bend) else "flown at once"
-    return (
-        f"{event.obstacle}: {words.method(event.method)} re-planned, "
-        f"alpha {event.alpha_rad / DEG:.1f} < alpha_0 {event.alpha0_rad / DEG:.1f} deg, "
-        f"command ({azimuth:.1f}, {elevation:.1f}) deg, deflection {event.deflection_rad / DEG:.1f} deg, "
-        f"{path}{path_told(event)}"
-    )
-
-
 def path_told(event: ReplanEvent) -> str:
-    """What is wrong with the new path, after a comma; nothing where nothing is."""
+    """What is wrong with the new path, after a comma; empty where nothing is."""
     told = []
     if inside(event.path_clearance_m):
         told.append(f"the path leads {number(-event.path_clearance_m, 1)} m inside a sphere")

@@ -59,6 +59,10 @@ def aeroplane(length_m: float) -> Mesh:
     return Mesh(mesh.points * length_m, mesh.triangles, mesh.normals)
 
 
+SPAN_OF_LENGTH = 1.04
+"""Wing span of ``aeroplane`` in its lengths."""
+
+
 def circles(half_angle_rad: Array, around: int = 48) -> Array:
     """Closed circles (n, around + 1, 3) on the unit sphere, one for each angle from +x."""
     angle = np.arange(around + 1) * (2 * math.pi / around)

@@ -8,7 +8,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from testbed.flight.record import Outcome
+from testbed.core.units import DEG
+from testbed.flight.record import Outcome, inside
 from testbed.results.columns import read_aloud
 
 DASH: Final = "\N{EN DASH}"
@@ -37,6 +38,9 @@ METHOD_NAMES: Final = {
     "orca": "ORCA",
 }
 FLYER_NAMES: Final = {"kinematic": "kinematic point", "point_mass": "{} as a point mass", "jsbsim": "{} flown in JSBSim"}
+RUNG_NAMES: Final = {"kinematic": "point on rails", "point_mass": "point mass", "jsbsim": "flown"}
+"""Physics by the step from the paper to an aircraft that it is, the least of them first."""
+WITHOUT_LIMIT: Final = {"roll": "roll", "load_factor": "lift", "speed": "speed", "gust": "gusts"}
 AXIS_NAMES: Final = {
     "flown_by": "flown by {}",
     "wind_mps": "wind {} m/s",
@@ -191,3 +195,63 @@ def outcomes(count: Mapping[str, int]) -> str:
     """``7 reached the goal, 5 collided``."""
     known = [one.value for one in OUTCOME_NAMES if one in count]
     return ", ".join(f"{count[name]} {outcome(name)}" for name in [*known, *sorted(set(count) - set(known))])
+
+
+def clearance(value_m: float, of: str = "") -> str:
+    """How far from a sphere's surface: ``12.4 m clear of O``, ``3.1 m inside O``."""
+    if not math.isfinite(value_m):
+        return DASH
+    where = "inside" if inside(value_m) else "clear of" if of else "clear"
+    return f"{number(abs(value_m), 1)} m {where} {of}".rstrip()
+
+
+def bank(value_rad: float) -> str:
+    """``bank 63 deg left``; wings level within half a degree."""
+    degrees = value_rad / DEG
+    if abs(degrees) < 0.5:
+        return "wings level"
+    return f"bank {number(abs(degrees), 0)} deg {'right' if degrees > 0.0 else 'left'}"
+
+
+def wind(velocity_enu_mps: Sequence[float]) -> str:
+    """A wind by where it comes from, as pilots say it: ``wind 10 m/s from 270 deg``, and what of it goes up or down."""
+    east, north, up = velocity_enu_mps
+    speed = math.hypot(east, north)
+    told = (
+        "wind calm" if speed < 0.05 else f"wind {number(speed, 1)} m/s from {round(math.degrees(math.atan2(-east, -north))) % 360:03d} deg"
+    )
+    return told if abs(up) < 0.05 else f"{told}, {number(abs(up), 1)} m/s {'up' if up > 0.0 else 'down'}"
+
+
+def turn(azimuth_deg: float, elevation_deg: float) -> str:
+    """A change of direction: ``left 12 deg, up 1 deg``."""
+    parts = [
+        f"{way} {number(abs(angle), 0)} deg"
+        for angle, way in (
+            (azimuth_deg, "left" if azimuth_deg > 0.0 else "right"),
+            (elevation_deg, "up" if elevation_deg > 0.0 else "down"),
+        )
+        if abs(angle) >= 0.5
+    ]
+    return ", ".join(parts) or "straight on"
+
+
+def clock(bearing_rad: float) -> str:
+    """Where something is as seen from the cockpit, clockwise from straight ahead: ``2 o'clock``."""
+    return f"{round(math.degrees(bearing_rad) / 30.0) % 12 or 12} o'clock"
+
+
+def rung(plant: str, ideal: Sequence[str], answer: str) -> str:
+    """How much of flight there is in a flight: ``point mass without limits of roll and lift``, ``flown, direct``."""
+    name = named(RUNG_NAMES, plant)
+    if ideal:
+        name = f"{name} without limits of {listed([named(WITHOUT_LIMIT, limit) for limit in ideal])}"
+    return f"{name}, the direction at once" if answer == "direct" else name
+
+
+def air(wind: str, wind_mps: float, from_deg: float, gust: str, turbulence: str, severity: str) -> str:
+    """The air of a flight by its settings: ``in calm air``, ``in wind 10 m/s from 270 deg and severe turbulence``."""
+    parts = [] if wind == "calm" or wind_mps == 0.0 else [f"wind {wind_mps:g} m/s from {from_deg:g} deg"]
+    parts += [] if gust == "none" else ["a gust"]
+    parts += [] if turbulence == "none" else [f"{severity} turbulence"]
+    return f"in {listed(parts)}" if parts else "in calm air"

@@ -14,4 +14,5 @@ ONCE_SAID = {"lead_time": None}
 
 COMMANDS: dict[str, str] = {
     "audit": "testbed.studies.scoam.audit.command:audit",
+    "figures": "testbed.studies.scoam.figures.command:figures",
 }

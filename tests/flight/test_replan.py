@@ -13,7 +13,7 @@ from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.base import State
 from testbed.flight.sensing import Seen
-from testbed.show.flight_summary import event_sentence
+from testbed.show.pilot_log import decided
 from tests.plans import KINEMATIC, paper_obstacle, plan
 from vosc import Obstacle, Own, threat
 
@@ -121,8 +121,10 @@ def test_avoided_is_not_said_of_a_path_that_leads_through_or_turns_back(settings
     assert math.degrees(event.path_turns_rad) == pytest.approx(turns_deg, abs=0.1)
     # the point on rails flies the path as planned: what the event foretells comes true
     assert measure(record).least_clearance_m == pytest.approx(event.path_clearance_m, abs=0.01)
-    assert ("turns back by" in event_sentence(event)) == (turns_deg > 90)
-    assert ("inside a sphere" in event_sentence(event)) == (status == "leads_through_the_sphere")
+    told = decided(event)[-1]
+    assert ("turns back by" in told.text) == (turns_deg > 90)
+    assert ("inside a sphere" in told.text) == (status == "leads_through_the_sphere")
+    assert (told.level == "WARN") == (status != "avoided")
 
 
 def test_the_first_time_ahead_is_an_option() -> None:
@@ -199,7 +201,7 @@ def test_a_flyable_path_keeps_the_limits_or_says_which_forbids_it() -> None:
     (event,) = near.events
     assert (event.decision, event.status) == ("no_path", "no_path")
     assert event.reason == "of 36 ends none is within the aircraft's limits: bank or load factor"
-    assert event_sentence(event).endswith(f"kept the path, no path ({event.reason})")
+    assert decided(event)[-1].text.endswith(f"path kept, no path ({event.reason})")
     (event,) = far.events
     assert event.decision == "replanned"
     before, there = far.paths[0].chain, far.paths[1].curves[0]

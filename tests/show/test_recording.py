@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -15,8 +16,12 @@ import pytest
 from testbed import fly, measure
 from testbed.flight.record import FlightRecord, Outcome
 from testbed.results.columns import FlightMetrics
-from testbed.show.recording import write_recording
-from tests.plans import plan
+from testbed.show.recording import layout, write_recording
+from testbed.show.recording.file import readable
+from testbed.show.recording.overlay import Flown, write_overlay
+from tests import made
+from tests.plans import KINEMATIC, paper_obstacle, plan
+from vosc import Obstacle, Own, cap
 
 MakeRecord = Callable[..., FlightRecord]
 MakeMetrics = Callable[[FlightRecord], FlightMetrics]
@@ -24,15 +29,19 @@ RERUN = Path(sys.executable).with_name("rerun")
 
 
 def read(path: Path, entity: str) -> dict[str, Any]:
-    """The temporal columns of one entity, by the last part of their name, as lists."""
+    """The temporal columns of one entity, by the last part of their name, as lists; None where a chunk has no such column."""
     from rerun.chunk import RrdReader
 
     columns: dict[str, Any] = {}
+    rows = 0
     for chunk in RrdReader(str(path)).stream().filter(content=entity, is_static=False).to_chunks():
         batch = chunk.to_record_batch()
         for name, column in zip(batch.schema.names, batch.columns, strict=True):
-            columns.setdefault(name.rsplit(":", 1)[-1], []).extend(column.to_pylist())
-    return columns
+            kept = columns.setdefault(name.rsplit(":", 1)[-1], [])
+            kept.extend([None] * (rows - len(kept)))
+            kept.extend(column.to_pylist())
+        rows += batch.num_rows
+    return {name: kept + [None] * (rows - len(kept)) for name, kept in columns.items()}
 
 
 def entities(path: Path) -> set[str]:
@@ -48,11 +57,11 @@ def _unknown_to_the_viewer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         monkeypatch.setenv(name, str(tmp_path / "viewer" / name))
 
 
-@pytest.fixture
-def flown(tmp_path: Path, make_record: MakeRecord, make_metrics: MakeMetrics) -> tuple[FlightRecord, Path]:
-    record = make_record(plant={"kind": "jsbsim"})
-    path = tmp_path / "recordings" / "flight.rrd"
-    write_recording(record, make_metrics(record), path)
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> tuple[FlightRecord, Path]:
+    record = made.record(plant={"kind": "jsbsim"})
+    path = tmp_path_factory.mktemp("run") / "recordings" / "flight.rrd"
+    write_recording(record, made.metrics(record), path)
     return record, path
 
 
@@ -119,6 +128,117 @@ def test_cone_opens_by_alpha_0_and_ends_on_the_velocity_sphere(flown: tuple[Flig
         assert np.linalg.norm(point) == pytest.approx(50.0, abs=1e-3)
 
 
+def seconds(column: list[Any]) -> np.ndarray:
+    return np.array([step.total_seconds() for step in column])
+
+
+def test_it_opens_on_the_encounter_which_begins_at_the_decision(flown: tuple[FlightRecord, Path]) -> None:
+    record, path = flown
+    own = read(path, "/world/own")
+    whole, encounter = seconds(own["sim_time"]), seconds([step for step in own["encounter"] if step is not None])
+    assert whole[0] == 0.0
+    assert whole[-1] == record.columns["time_s"][-1]
+    assert encounter[0] == 0.0  # where the viewer begins to play
+    inside = np.array([step is not None for step in own["encounter"]])
+    assert whole[inside] - encounter == pytest.approx(np.full(inside.sum(), 3.0))
+    assert encounter[-1] < whole[-1] - 3.0 + 1e-9
+
+
+def test_words_and_line_in_the_picture_tell_the_clearance_of_the_record(flown: tuple[FlightRecord, Path]) -> None:
+    record, path = flown
+    clearance, own = record.columns["obstacle.O.clearance_m"], record.columns["own.pos_enu_m"]
+    line, words = read(path, "/world/clearance"), read(path, "/world/close/words/own")
+    rows = np.rint(seconds(line["sim_time"]) * 120).astype(int)
+    assert inside_somewhere(clearance[rows])
+    for k, row in enumerate(rows):
+        first, last = np.array(line["strips"][k][0])
+        assert first == pytest.approx(own[row], abs=1e-3)
+        assert np.linalg.norm(last - record.columns["obstacle.O.pos_enu_m"][row]) == pytest.approx(25.0, abs=1e-3)
+        assert words["labels"][k] == [f"{abs(clearance[row]):.1f} m {'inside' if clearance[row] < 0 else 'clear of'} O"]
+        red = words["colors"][k] == line["colors"][k] == [0xFF4B4BFF]
+        assert red == (clearance[row] < 0.0)
+
+
+def inside_somewhere(clearance: np.ndarray) -> bool:
+    return bool((clearance < 0.0).any() and (clearance > 0.0).any())
+
+
+def test_velocity_space_has_the_papers_parts(flown: tuple[FlightRecord, Path]) -> None:
+    record, path = flown
+    centre = read(path, "/velocity/obstacle/O/cap/centre")
+    shown = [k for k, points in enumerate(centre["positions"]) if points]
+    assert shown
+    for k in (shown[0], shown[-1]):
+        row = round(centre["sim_time"][k].total_seconds() * 120)
+        own = Own(tuple(record.columns["own.pos_enu_m"][row]), tuple(record.columns["own.vel_enu_mps"][row]))
+        body = Obstacle(tuple(record.columns["obstacle.O.pos_enu_m"][row]), tuple(record.columns["obstacle.O.vel_enu_mps"][row]), 25.0)
+        found = cap(own, body)
+        assert found is not None
+        assert centre["positions"][k][0] == pytest.approx(0.5 * (found.nearest_mps + found.farthest_mps), abs=1e-4)
+        assert f"r {found.radius_mps:.1f} m/s" in centre["labels"][k][0]
+        assert f"{math.degrees(found.half_angle_rad):.1f} deg" in centre["labels"][k][0]
+        marks = read(path, "/velocity/obstacle/O/cap/critical")["positions"][k]
+        assert np.array(marks) == pytest.approx(np.array([found.nearest_mps, found.farthest_mps]), abs=1e-4)
+        absolute, relative = (read(path, f"/velocity/obstacle/O/{name}") for name in ("cone/rim", "relative_cone"))
+        moved = np.array(absolute["strips"][k][0]) - record.columns["obstacle.O.vel_enu_mps"][row]
+        assert np.array(relative["strips"][k][0])[0] == pytest.approx(moved[0], abs=1e-4)
+    assert {"/velocity/sphere/label", "/velocity/obstacle/O/relative/arrow", "/velocity/command/label"} <= entities(path)
+
+
+def test_two_threats_have_s_and_s_prime_on_both_caps(tmp_path: Path) -> None:
+    first = paper_obstacle(name="A", position_enu_m=[254, 63.8, 59.8], speed_mps=35, direction_deg=[106, 11.4])
+    second = paper_obstacle(name="B", position_enu_m=[208, 186, 42.5], speed_mps=32, direction_deg=[-50.3, 15.4], radius_m=30)
+    obstacles = [first, second]  # of section 5.2, the second climbing
+    record = fly(plan(method={"kind": "scoam"}, obstacles=obstacles, **KINEMATIC))
+    write_recording(record, measure(record), tmp_path / "two.rrd")
+    corners = read(tmp_path / "two.rrd", "/velocity/corners/A_B")
+    k = next(k for k, points in enumerate(corners["positions"]) if points)
+    caps = [read(tmp_path / "two.rrd", f"/velocity/obstacle/{name}/cap/centre")["positions"][k][0] for name in "AB"]
+    for place in corners["positions"][k]:
+        assert np.linalg.norm(place) == pytest.approx(50.0, abs=1e-2)
+        for middle in caps:  # eq. 29, 30: at right angles
+            assert np.dot(np.array(place) - middle, middle) == pytest.approx(0.0, abs=0.1)
+    command = read(tmp_path / "two.rrd", "/velocity/command/label")
+    assert [label.startswith("K = ") for (label,) in command["labels"]] == [False, True]  # B comes in sight one look before A
+
+
+def test_wind_and_streaks_are_shown_in_wind_only(flown: tuple[FlightRecord, Path], tmp_path: Path) -> None:
+    assert not {"/world/close/wind", "/world/streaks"} & entities(flown[1])
+    record = fly(plan(method={"kind": "scoam"}, obstacles=[paper_obstacle()], air={"wind": WIND}, **KINEMATIC))
+    write_recording(record, measure(record), tmp_path / "wind.rrd")
+    wind = read(tmp_path / "wind.rrd", "/world/close/wind")
+    row = round(wind["sim_time"][0].total_seconds() * 120)
+    blows, tip = np.array(wind["vectors"][0][0]), np.array(wind["origins"][0][0]) + wind["vectors"][0][0]
+    assert tip == pytest.approx(record.columns["own.pos_enu_m"][row], abs=1e-3)  # it ends at the aircraft
+    assert blows / np.linalg.norm(blows) == pytest.approx([0.0, -1.0, 0.0], abs=1e-6)
+    ground, through = (
+        np.array(read(tmp_path / "wind.rrd", f"/world/close/{name}")["vectors"][0][0]) for name in ("velocity", "air_velocity")
+    )
+    assert ground - through == pytest.approx(blows, abs=1e-3)  # all on one scale
+    assert read(tmp_path / "wind.rrd", "/world/close/words/wind")["labels"][0] == ["wind 8.0 m/s from 000 deg"]
+
+
+WIND = {"kind": "steady", "speed_mps": 8, "from_deg": 0}
+
+
+def test_events_are_told_as_to_a_pilot(flown: tuple[FlightRecord, Path]) -> None:
+    told = read(flown[1], "/events")
+    lines = {text[0]: step.total_seconds() for text, step in zip(told["text"], told["sim_time"], strict=True)}
+    assert any(re.fullmatch(r"O in sight: \d+ o'clock, 100 m, \d+ m high", text) for text in lines), lines
+    assert lines["O is a threat: straight on would pass 10.8 m from its centre (radius 25 m) in 1.3 s"] == 3.0
+    assert lines["Insertion point passed: on the way to the goal"] == 4.75
+    assert "Collision: inside O" in lines
+    assert any(text.startswith("Closest approach: ") and text.endswith(" m inside O") for text in lines)
+    assert lines["End: Reached the goal"] == 8.0
+
+
+def test_a_letter_that_the_viewer_cannot_show_is_not_given_to_it() -> None:
+    assert (
+        readable("v_uo \N{ELEMENT OF} RCC, \N{GREEK SMALL LETTER ALPHA} = 3 \N{SNOWMAN}\n")
+        == "v_uo ? RCC, \N{GREEK SMALL LETTER ALPHA} = 3 ?\n"
+    )
+
+
 def test_many_recordings_leave_no_threads(tmp_path: Path, make_record: MakeRecord, make_metrics: MakeMetrics) -> None:
     def threads() -> int:
         return len(os.listdir("/proc/self/task"))
@@ -179,7 +299,10 @@ def test_a_diverged_flight_is_shown_up_to_its_last_finite_row(tmp_path: Path, ma
 
 @pytest.mark.slow
 @pytest.mark.viewer
-def test_the_viewer_shows_it_without_complaint(flown: tuple[FlightRecord, Path], tmp_path: Path) -> None:
+def test_the_viewer_shows_it_without_complaint(
+    tmp_path: Path, make_record: MakeRecord, make_metrics: MakeMetrics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As it opens, and from behind; and several flights in one scene. The pictures are kept below tmp_path to be looked at."""
     if not list(Path("/usr/share/vulkan/icd.d").glob("*.json")):
         pytest.skip("no Vulkan driver (Debian: mesa-vulkan-drivers)")
     import socket
@@ -187,21 +310,35 @@ def test_the_viewer_shows_it_without_complaint(flown: tuple[FlightRecord, Path],
 
     from rerun.experimental import ViewerClient
 
+    record = make_record(plant={"kind": "jsbsim"})
+    metrics = make_metrics(record)
+    write_recording(record, metrics, tmp_path / "opens.rrd")
+    monkeypatch.setattr(layout, "OPENS_WITH", 1)
+    chased = replace(record, plan=record.plan.model_copy(update={"flight_id": "c0123456789a"}))
+    write_recording(chased, metrics, tmp_path / "chase.rrd")
+    write_overlay([Flown("flown", record, metrics), Flown("point on rails", make_record(), metrics)], "both", tmp_path / "overlay.rrd")
     local = tmp_path / "rerun"  # spawn() cannot say that the viewer shall listen on loopback only
     local.write_text(f'#!/bin/sh\nexec "{RERUN}" --bind 127.0.0.1 "$@"\n')
     local.chmod(0o755)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
+    pictures, views, complaints = {}, {}, []
     with ViewerClient.spawn(headless=True, port=port, executable_path=str(local)) as viewer:
-        viewer.open(str(flown[1]))
-        pictures = []
-        for at_s in (0.5, 4.6):
-            viewer.set_time("sim_time", duration=at_s, play_state="paused")
+        for name in ("opens", "chase", "overlay"):
+            viewer.open(str(tmp_path / f"{name}.rrd"))
             time.sleep(1.5)
-            pictures.append(viewer.take_screenshot(max_size=900))
-        views = viewer.get_state().views
-    assert {"Scene (ENU, m)", "Velocity space (m/s)", "Summary", "Modes", "Events", "Clearance, m"} <= {view.name for view in views}
-    assert [(view.name, report.summary) for view in views for report in view.reports] == []
-    assert pictures[0] != pictures[1]
-    assert min(map(len, pictures)) > 20_000
+            now = next(one for one in viewer.get_state().recordings if one.current_timeline == "encounter")
+            assert now.current_time is not None  # it opened on the encounter
+            viewer.set_time("encounter", duration=1.4, play_state="paused")
+            time.sleep(1.5)
+            pictures[name] = viewer.take_screenshot(max_size=900)
+            (tmp_path / f"{name}.png").write_bytes(pictures[name])
+            shown = viewer.get_state().views
+            views[name] = {view.name for view in shown}
+            complaints += [(name, view.name, report.summary) for view in shown for report in view.reports]
+    assert {"Encounter (aircraft at its true size)", "Chase", "Events", "Clearance, m"} <= views["opens"]
+    assert {"All flights (at their true size), aligned at the decision", "As seen from the obstacle"} <= views["overlay"]
+    assert complaints == []
+    assert len(set(pictures.values())) == 3
+    assert min(map(len, pictures.values())) > 20_000

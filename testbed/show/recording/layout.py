@@ -1,57 +1,83 @@
 """What the viewer shows when a recording is opened."""
 
+import math
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from rerun.encodings import EntityPath
 
 from testbed.flight.record import FlightRecord
+from testbed.results.columns import FlightMetrics
 from testbed.show import palette
+from testbed.show.encounter import Window
 from testbed.show.flight_summary import path_points, route_ends
 from testbed.show.palette import rgba
 from testbed.show.recording import timeline
 
-MANY = ("clearance", "bank", "load_factor")  # plots with more than one curve, which need a legend
-CLEARANCE_SHOWN_M = (-30.0, 150.0)  # where decisions are made; farther away the curve says nothing
+CLEARANCE_SHOWN_M = (-6.0, 24.0)  # so little that 3 m are a tenth of the picture; a flight that keeps farther away gets more
+PLAY_SPEED = 0.25  # an encounter takes two seconds, which nobody can follow
+STILL_SPEED = 1.0
+OPENS_WITH = 0  # of the tabs of the scene: the encounter from near
+Trails = Mapping[EntityPath | str, Any]
+"""Entities that leave one behind them, to what shows it."""
+
+ONLY_CLOSE, ONLY_CHASE = "/world/close/**", "/world/chase/**"
 
 
-def blueprint(record: FlightRecord) -> rrb.Blueprint:
-    """Scene, velocity space and summary on the left; curves, modes and events on the right."""
-    left = rrb.Vertical(
-        rrb.Tabs(_overview(record), *_close_up(record), name="Scene"),
-        rrb.Horizontal(_velocity(record), rrb.TextDocumentView(origin="/summary", name="Summary"), column_shares=[1, 1]),
-        row_shares=[3, 2],
-    )
-    right = rrb.Vertical(
-        rrb.Horizontal(
-            _curves("clearance", "Clearance, m", rrb.ScalarAxis(range=CLEARANCE_SHOWN_M)), _curves("cross_track", "Cross-track, m")
-        ),
-        rrb.Horizontal(_curves("bank", "Bank, deg"), _curves("load_factor", "Load factor")),
-        rrb.Horizontal(_curves("airspeed", "Airspeed, m/s"), rrb.Tabs(_curves("throttle", "Throttle, %"), _curves("alpha", "Alpha, deg"))),
-        rrb.StateTimelineView(origin="/modes", name="Modes"),
+def blueprint(record: FlightRecord, metrics: FlightMetrics, window: Window, scale: float) -> rrb.Blueprint:
+    """The encounter from near, with the curves that say whether it was flown; all else in tabs. ``scale``: of the aircraft on the route."""
+    whole = _route(record, f"Whole route ({_times(scale)})", window)
+    scenes = [*_filmed(record, window), whole, _velocity(record)]
+    details = rrb.Tabs(
         rrb.TextLogView(origin="/events", name="Events", columns=rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"])),
-        row_shares=[3, 3, 3, 2, 2],
+        rrb.TextDocumentView(origin="/summary", name="Summary"),
+        rrb.StateTimelineView(origin="/modes", name="Modes"),
+        curves("cross_track", "Cross-track, m", legend=False),
+        curves("throttle", "Throttle, %", legend=False),
+        curves("alpha", "Angle of attack, deg", legend=False),
+        active_tab=0,
+        name="Details",
     )
-    return rrb.Blueprint(
-        rrb.Horizontal(left, right, column_shares=[10, 9]),
-        rrb.TimePanel(timeline=timeline.TIMELINE, state="collapsed", play_state="paused"),
-        rrb.BlueprintPanel(state="hidden"),
-        rrb.SelectionPanel(state="hidden"),
-        auto_views=False,
-        auto_layout=False,
+    panels = rrb.Vertical(
+        curves("clearance", "Clearance, m", rrb.ScalarAxis(range=clearance_range(metrics.least_clearance_m))),
+        curves("bank", "Bank, deg (right is positive)"),
+        curves("load_factor", "Load factor"),
+        curves("airspeed", "Airspeed, m/s"),
+        row_shares=[4, 3, 3, 3],
     )
+    left = rrb.Vertical(rrb.Tabs(*scenes, active_tab=min(OPENS_WITH, len(scenes) - 1), name="Scene"), details, row_shares=[5, 2])
+    return page(rrb.Horizontal(left, panels, column_shares=[5, 3]), bool(window.obstacle))
 
 
-def _trail() -> rrb.VisibleTimeRanges:
-    """The trail up to now, not to the end."""
-    everything = rrb.VisibleTimeRange(
-        timeline.TIMELINE, start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.cursor_relative(seconds=0.0)
+def page(root: rrb.Container, plays: bool) -> rrb.Blueprint:
+    """The viewer with nothing open but the pictures; it plays the encounter again and again, or waits at the start of the flight."""
+    panel = rrb.TimePanel(
+        timeline=timeline.ENCOUNTER if plays else timeline.TIMELINE,
+        state="collapsed",
+        play_state="playing" if plays else "paused",
+        loop_mode="all" if plays else "off",
+        playback_speed=PLAY_SPEED if plays else STILL_SPEED,
     )
-    return rrb.VisibleTimeRanges([everything])
+    panels = (panel, rrb.BlueprintPanel(state="hidden"), rrb.SelectionPanel(state="hidden"))
+    return rrb.Blueprint(root, *panels, auto_views=False, auto_layout=False)
 
 
-def _spatial(record: FlightRecord, name: str, eye: rrb.EyeControls3D) -> rrb.Spatial3DView:
+def clearance_range(least_m: float) -> tuple[float, float]:
+    """What of the clearance is shown: from below the surface, or below the least clearance, to 30 m more, or as far as the least is."""
+    low, high = CLEARANCE_SHOWN_M
+    if not math.isfinite(least_m):
+        return low, high
+    return min(low, least_m - 3.0), max(high, 1.5 * least_m) if least_m > 0.0 else high
+
+
+def spatial(record: FlightRecord, name: str, eye: rrb.EyeControls3D, without: list[str], trails: Trails | None = None) -> rrb.Spatial3DView:
+    """A view of the scene, without some of its entities."""
     return rrb.Spatial3DView(
         origin="/world",
+        contents=["+ $origin/**", *(f"- {entity}" for entity in without)],
         name=name,
         background=rgba(palette.NIGHT),
         line_grid=rrb.LineGrid3D(
@@ -62,11 +88,35 @@ def _spatial(record: FlightRecord, name: str, eye: rrb.EyeControls3D) -> rrb.Spa
             color=rgba(palette.NIGHT_GRID),
         ),
         eye_controls=eye,
-        overrides={"/world/trail": _trail()},
+        overrides={"/world/trail": timeline.trail_ranges()} if trails is None else trails,
     )
 
 
-def _overview(record: FlightRecord) -> rrb.Spatial3DView:
+def _filmed(record: FlightRecord, window: Window) -> list[rrb.Spatial3DView]:
+    """The encounter from near and from behind the aircraft; nothing without an obstacle."""
+    if not window.obstacle:
+        return []
+    names = [f"/world/obstacle/{spec.name}/name" for spec in record.plan.obstacles]
+    velocities = [f"/world/obstacle/{spec.name}/velocity" for spec in record.plan.obstacles]
+    hidden = ["/world/own/symbol", "/world/closest_approach", "/world/plan/ends", "/world/far/**"]
+    close = [*hidden, ONLY_CHASE, *names, *velocities]
+    chase = [*hidden, ONLY_CLOSE, *velocities]
+    return [
+        spatial(record, "Encounter (aircraft at its true size)", looking_through("close"), close),
+        spatial(record, "Chase", looking_through("chase"), chase),
+    ]
+
+
+def looking_through(camera: str) -> rrb.EyeControls3D:
+    """The eye of a view that is filmed."""
+    return rrb.EyeControls3D(tracking_entity=f"/world/camera/{camera}")
+
+
+def _times(scale: float) -> str:
+    return f"aircraft drawn {scale:.0f} times its size" if scale > 1.0 else "aircraft at its true size"
+
+
+def _route(record: FlightRecord, name: str, window: Window) -> rrb.Spatial3DView:
     """The whole route from its right-hand side and above; without a route, the surroundings of the start."""
     places = [point for path in record.paths for piece in path_points(path, 8) for point in piece]
     places += route_ends(record)
@@ -79,26 +129,8 @@ def _overview(record: FlightRecord) -> rrb.Spatial3DView:
     aside = np.array([along[1], -along[0], 0.0])
     position = centre + extent * (0.50 * aside - 0.14 * along * [1, 1, 0] + np.array([0.0, 0.0, 0.32]))
     eye = rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, position=position, look_target=centre, eye_up=(0, 0, 1))
-    return _spatial(record, "Scene (ENU, m)", eye)
-
-
-def _close_up(record: FlightRecord) -> list[rrb.Spatial3DView]:
-    """The surroundings of the closest approach, where attitude and distances can be read; none without an obstacle."""
-    if not record.plan.obstacles or not len(record.columns["time_s"]):
-        return []
-    nearest = min(
-        record.plan.obstacles, key=lambda spec: float(np.nanmin(record.columns[f"obstacle.{spec.name}.clearance_m"], initial=np.inf))
-    )
-    row = int(np.argmin(np.nan_to_num(record.columns[f"obstacle.{nearest.name}.clearance_m"], nan=np.inf)))
-    own, there = record.columns["own.pos_enu_m"][row], record.columns[f"obstacle.{nearest.name}.pos_enu_m"][row]
-    if not np.isfinite(own).all():
-        return []
-    centre, forward = (own + there) / 2, record.columns["own.vel_enu_mps"][row]
-    forward = forward / max(float(np.linalg.norm(forward)), 1e-9)
-    away = 2.5 * nearest.radius_m + float(np.linalg.norm(own - there)) / 2
-    position = centre + away * (1.1 * np.array([forward[1], -forward[0], 0.0]) - 0.9 * forward + np.array([0.0, 0.0, 0.8]))
-    eye = rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, position=position, look_target=centre, eye_up=(0, 0, 1))
-    return [_spatial(record, "Closest approach", eye)]
+    without = [ONLY_CLOSE, ONLY_CHASE, "/world/streaks", "/world/camera/**", "/world/clearance"]
+    return spatial(record, name, eye, [*without, "/world/own/body"] if window.obstacle else without)
 
 
 def _velocity(record: FlightRecord) -> rrb.Spatial3DView:
@@ -108,21 +140,27 @@ def _velocity(record: FlightRecord) -> rrb.Spatial3DView:
     heading = np.array(record.events[0].own_vel_enu_mps) if record.events else velocity[0] if len(velocity) else np.array([size, 0.0, 0.0])
     forward = heading / max(float(np.linalg.norm(heading)), 1e-9)
     aside = np.array([forward[1], -forward[0], 0.0])
-    position = size * (1.1 * forward + 1.9 * aside + np.array([0.0, 0.0, 0.85]))
+    position = size * (1.2 * forward + 2.3 * aside + np.array([0.0, 0.0, 0.8]))
     return rrb.Spatial3DView(
         origin="/velocity",
-        name="Velocity space (m/s)",
+        name="Velocity space (m/s), as in the paper",
         background=rgba(palette.NIGHT),
         line_grid=False,
-        eye_controls=rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, position=position, look_target=0.3 * size * forward, eye_up=(0, 0, 1)),
+        eye_controls=rrb.EyeControls3D(
+            kind=rrb.Eye3DKind.Orbital,
+            position=position,
+            look_target=size * (0.35 * forward + 0.2 * aside - np.array([0.0, 0.0, 0.15])),
+            eye_up=(0, 0, 1),
+        ),
     )
 
 
-def _curves(entity: str, name: str, axis: rrb.ScalarAxis | None = None) -> rrb.TimeSeriesView:
+def curves(entity: str, name: str, axis: rrb.ScalarAxis | None = None, legend: bool = True) -> rrb.TimeSeriesView:
+    """A plot."""
     return rrb.TimeSeriesView(
         origin=f"/signals/{entity}",
         name=name,
         axis_y=axis,
-        plot_legend=rrb.PlotLegend(visible=entity in MANY, corner=rrb.Corner2D.RightTop),
+        plot_legend=rrb.PlotLegend(visible=legend, corner=rrb.Corner2D.RightTop),
         background=rrb.archetypes.PlotBackground(color=rgba(palette.NIGHT), show_grid=True),
     )

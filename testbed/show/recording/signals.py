@@ -1,56 +1,108 @@
 """Time series, modes, events, and the whole log in double precision."""
 
+import math
+
 import numpy as np
 import rerun as rr
 
+from testbed.campaign.words.aircraft import Limits
 from testbed.core.units import DEG
-from testbed.flight.record import NEW_PATH, FlightRecord, Outcome, inside
+from testbed.flight.plants.aircraft import load_aircraft
+from testbed.flight.record import FlightRecord
 from testbed.flight.record.signals import flat
-from testbed.show import palette, words
-from testbed.show.flight_summary import changes, event_sentence, leg_names, who
+from testbed.results.columns import FlightMetrics
+from testbed.show import palette
+from testbed.show.flight_summary import changes, leg_names
 from testbed.show.palette import rgba
-from testbed.show.recording import timeline
+from testbed.show.pilot_log import pilot_log
+from testbed.show.recording.file import readable
+from testbed.show.recording.timeline import Clock, thinned
 from testbed.show.velocity_space import Sight
+from testbed.show.words import number
 
 # Entity below "signals", column of the record, factor to the unit shown, name in the legend, colour.
 HEADLINES = (
     ("cross_track", "path.cross_track_m", 1.0, "cross-track, m", palette.OWN),
-    ("bank/command", "guidance.bank_cmd_rad", 1.0 / DEG, "command, deg", palette.COMMAND),
-    ("bank/flown", "own.bank_rad", 1.0 / DEG, "flown, deg", palette.OWN),
+    ("bank/command", "guidance.bank_cmd_rad", 1.0 / DEG, "command", palette.COMMAND),
+    ("bank/flown", "own.bank_rad", 1.0 / DEG, "flown", palette.OWN),
     ("load_factor/command", "guidance.load_factor_cmd", 1.0, "command", palette.COMMAND),
     ("load_factor/flown", "own.load_factor", 1.0, "flown", palette.OWN),
-    ("airspeed", "own.airspeed_mps", 1.0, "airspeed, m/s", palette.OWN),
+    ("airspeed/flown", "own.airspeed_mps", 1.0, "flown", palette.OWN),
     ("throttle", "own.throttle", 100.0, "throttle, %", palette.GREEN),
     ("alpha", "own.alpha_rad", 1.0 / DEG, "angle of attack, deg", palette.ORANGE),
 )
 CURVES_HZ = 60.0  # the telemetry has every row
+SHADES = (palette.OBSTACLE, palette.YELLOW, palette.PURPLE, palette.GREEN, palette.BLUE)
 
 
-def log(stream: rr.RecordingStream, record: FlightRecord, rows: np.ndarray, seen: np.ndarray, sights: list[Sight]) -> None:
-    """Headline curves, modes and events, telemetry. ``sights`` belong to the rows ``seen``."""
+def limit_lines(record: FlightRecord) -> dict[str, tuple[str, float]]:
+    """Entity below "signals" to the name and value of a limit of the aircraft, as it is in force in the plant."""
+    plan, limits = record.plan, load_aircraft(record.plan.aircraft).limits
+    lines = {} if "roll" in plan.plant.ideal else _both("bank", -limits.bank_deg, limits.bank_deg, "limit", 0)
+    if "load_factor" not in plan.plant.ideal:
+        lines |= _both("load_factor", limits.load_factor_min, limits.load_factor_max, "limit", 1)
+        lines["airspeed/slowest"] = _airspeed(limits)
+    return lines | {"airspeed/set": (f"set speed {number(plan.speed_mps, 0)} m/s", plan.speed_mps)}
+
+
+def _airspeed(limits: Limits) -> tuple[str, float]:
+    return f"slowest {number(limits.speed_min_mps, 0)} m/s", limits.speed_min_mps
+
+
+def _both(entity: str, low: float, high: float, name: str, digits: int) -> dict[str, tuple[str, float]]:
+    return {
+        f"{entity}/{side}": (f"{name} {number(value, digits)}", value)
+        for side, value in (("least", low), ("most", high))
+        if math.isfinite(value)
+    }
+
+
+def log(clock: Clock, record: FlightRecord, metrics: FlightMetrics, rows: np.ndarray, seen: np.ndarray, sights: list[Sight]) -> None:
+    """Headline curves with their limits, modes and events, telemetry. ``sights`` belong to the rows ``seen``."""
     columns, every = record.columns, rows
-    rows = timeline.thinned(rows, CURVES_HZ, record.plan.rates.plant_hz)
+    rows = thinned(rows, CURVES_HZ, record.plan.rates.plant_hz)
     time_s = columns["time_s"][rows]
     for entity, column, factor, name, colour in HEADLINES:
-        _log_curve(stream, f"signals/{entity}", name, colour, time_s, columns[column][rows] * factor)
-    shades = (palette.OBSTACLE, palette.YELLOW, palette.PURPLE, palette.GREEN, palette.BLUE)
+        log_curve(clock, f"signals/{entity}", name, colour, time_s, columns[column][rows] * factor)
+    if record.plan.plant.kind != "kinematic":  # a point on rails has no limits
+        for entity, (name, value) in limit_lines(record).items():
+            log_level(clock, f"signals/{entity}", name, palette.GREY if entity.endswith("/set") else palette.ALARM, time_s, value)
     for k, spec in enumerate(record.plan.obstacles):
         clearance = columns[f"obstacle.{spec.name}.clearance_m"][rows]
-        _log_curve(stream, f"signals/clearance/{spec.name}", f"to {spec.name}, m", shades[k % len(shades)], time_s, clearance)
+        log_curve(clock, f"signals/clearance/{spec.name}", f"to {spec.name}", SHADES[k % len(SHADES)], time_s, clearance)
     if record.plan.obstacles:
-        _log_curve(stream, "signals/clearance/zero", "collision", palette.WHITE, time_s[[0, -1]], np.zeros(2))
-    _log_modes(stream, record, every, seen, sights)
-    _log_events(stream, record)
-    stream.send_columns(
-        "telemetry", [timeline.index(columns["time_s"][every])], rr.DynamicArchetype.columns("telemetry", components=_flat(record, every))
+        radii = sorted({spec.radius_m for spec in record.plan.obstacles})
+        surface = f"surface (radius {' and '.join(number(radius, 0) for radius in radii)} m)"
+        log_level(clock, "signals/clearance/surface", surface, palette.ALARM, time_s, 0.0)
+    _log_modes(clock, record, every, seen, sights)
+    lines = pilot_log(record, metrics)
+    clock.send(
+        "events",
+        np.array([line.time_s for line in lines]),
+        lambda k: rr.TextLog.columns(text=[readable(lines[row].text) for row in k], level=[lines[row].level for row in k]),
+    )
+    told = _flat(record, every)
+    clock.send(
+        "telemetry",
+        columns["time_s"][every],
+        lambda k: rr.DynamicArchetype.columns("telemetry", components={name: values[k] for name, values in told.items()}),
     )
 
 
-def _log_curve(stream: rr.RecordingStream, entity: str, name: str, colour: str, time_s: np.ndarray, values: np.ndarray) -> None:
+def log_curve(clock: Clock, entity: str, name: str, colour: str, time_s: np.ndarray, values: np.ndarray) -> None:
+    """A curve where it is known."""
     known = np.isfinite(values)
     if known.any():  # a point has no throttle: no curve rather than an empty one
-        stream.log(entity, rr.SeriesLines(names=name, colors=rgba(colour), widths=1.5), static=True)
-        stream.send_columns(entity, [timeline.index(time_s[known])], [*rr.Scalars.columns(scalars=values[known])])
+        clock.static(entity, rr.SeriesLines(names=name, colors=rgba(colour), widths=1.8))
+        there = values[known]
+        clock.send(entity, time_s[known], lambda k: rr.Scalars.columns(scalars=there[k]))
+
+
+def log_level(clock: Clock, entity: str, name: str, colour: str, time_s: np.ndarray, value: float) -> None:
+    """A level line over all times."""
+    clock.static(entity, rr.SeriesLines(names=name, colors=rgba(colour), widths=1.0))
+    ends = [time_s[0], clock.begin_s, clock.end_s, time_s[-1]]
+    clock.send(entity, np.unique(np.clip(ends, time_s[0], time_s[-1])), lambda k: rr.Scalars.columns(scalars=np.full(len(k), value)))
 
 
 def _flat(record: FlightRecord, rows: np.ndarray) -> dict[str, np.ndarray]:
@@ -59,10 +111,10 @@ def _flat(record: FlightRecord, rows: np.ndarray) -> dict[str, np.ndarray]:
     return {name: values for name, values in told.items() if not np.isnan(values).all()}
 
 
-def _log_modes(stream: rr.RecordingStream, record: FlightRecord, rows: np.ndarray, seen: np.ndarray, sights: list[Sight]) -> None:
+def _log_modes(clock: Clock, record: FlightRecord, rows: np.ndarray, seen: np.ndarray, sights: list[Sight]) -> None:
     time_s, legs = record.columns["time_s"], leg_names(record)
     legs = [legs[k] for k in rows]
-    _log_states(stream, "modes/leg", time_s[rows], legs, {leg: rgba(colour) for leg, colour in palette.LEG.items()})
+    _log_states(clock, "modes/leg", time_s[rows], legs, {leg: rgba(colour) for leg, colour in palette.LEG.items()})
     colours = {
         "inside": rgba(palette.PURPLE),
         "threat": rgba(palette.OBSTACLE),
@@ -70,28 +122,10 @@ def _log_modes(stream: rr.RecordingStream, record: FlightRecord, rows: np.ndarra
         "out of range": rgba(palette.NIGHT_LINES),
     }
     for sight in sights:
-        _log_states(stream, f"modes/threat_{sight.name}", time_s[seen], sight.states(), colours)
+        _log_states(clock, f"modes/threat_{sight.name}", time_s[seen], sight.states(), colours)
 
 
-def _log_states(
-    stream: rr.RecordingStream, entity: str, time_s: np.ndarray, states: list[str], colours: dict[str, tuple[int, int, int, int]]
-) -> None:
+def _log_states(clock: Clock, entity: str, time_s: np.ndarray, states: list[str], colours: dict[str, tuple[int, int, int, int]]) -> None:
     at = changes(states)
-    stream.log(entity, rr.StateConfiguration(values=list(colours), colors=list(colours.values())), static=True)
-    stream.send_columns(entity, [timeline.index(time_s[at])], [*rr.StateChange.columns(state=[states[k] for k in at])])
-
-
-def _log_events(stream: rr.RecordingStream, record: FlightRecord) -> None:
-    time_s = record.columns["time_s"]
-    outcome = record.outcome
-    ending = record.message or words.outcome_told(outcome)
-    lines = [(float(time_s[0]), "INFO", f"start: {who(record)}, {words.method(record.plan.method.kind)}")]
-    lines += [(event.time_s, "INFO" if event.decision in NEW_PATH else "WARN", event_sentence(event)) for event in record.events]
-    for spec in record.plan.obstacles:
-        hit = inside(record.columns[f"obstacle.{spec.name}.clearance_m"])
-        if hit.any():
-            lines.append((float(time_s[int(np.argmax(hit))]), "ERROR", f"collision with {spec.name}"))
-    lines.append((float(time_s[-1]), "INFO" if outcome == Outcome.REACHED else "ERROR", f"end: {ending}"))
-    lines.sort(key=lambda line: line[0])
-    texts, levels = [line[2] for line in lines], [line[1] for line in lines]
-    stream.send_columns("events", [timeline.index(np.array([line[0] for line in lines]))], [*rr.TextLog.columns(text=texts, level=levels)])
+    clock.static(entity, rr.StateConfiguration(values=list(colours), colors=list(colours.values())))
+    clock.send(entity, time_s[at], lambda k: rr.StateChange.columns(state=[states[at[row]] for row in k]))
