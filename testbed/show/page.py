@@ -19,6 +19,7 @@ from testbed.show.figures import figure_data
 from testbed.show.flight_summary import level_turn, radius_m
 from testbed.show.gathered import MOST_FLIGHT_ROWS, Row, flyer, gather, method
 from testbed.show.histogram import histograms
+from testbed.show.player import player, scenes
 from testbed.show.shown_columns import DECISION_TERMS, PAIRED, SHOWN_COLUMNS, SUMMARISED, text
 from testbed.show.words import number
 
@@ -72,8 +73,9 @@ def render_page(
             failures_left_out=of.outcomes[Outcome.CRASHED] - len(of.failures),
             provenance=_flattened(provenance),
             has_pictures=has_pictures,
-            css=asset("page.css") + (head.css if head else Markup()),
-            script=asset("plot.js") + asset("page.js") + (head.script if head else Markup()) + Markup("Plots.run();"),
+            player=player(head.scenes if head and head.scenes else scenes(of.pictured, series, axes), series),
+            css=asset("page.css") + asset("player.css") + (head.css if head else Markup()),
+            script=asset("plot.js") + asset("player_views.js") + asset("player.js") + asset("page.js") + (head.script if head else Markup()) + Markup("Plots.run();"),
             figures=packed_json(figures) if has_pictures else "",
             plotly=plotly(),
         )
