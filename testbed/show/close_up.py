@@ -70,12 +70,12 @@ def close_up(record: FlightRecord, clearance: Array, roll_rate: Array) -> dict[s
     rows, coarse = np.arange(begin, at.last + 1, stride), np.arange(begin, at.last + 1, step)
     hz = record.plan.rates.plant_hz
     return {
-        "zero_s": round(float(columns["time_s"][at.zero]), 4),
+        "zero_s": round(float(columns["time_s"][at.zero]), 6),
         "zero_is": at.zero_is,
         "hz": hz / stride,
         "first": (begin - at.zero) // stride,
-        "detected_s": None if at.detected is None else round((at.detected - at.zero) / hz, 4),
-        "nearest_s": round((at.nearest - at.zero) / hz, 4),
+        "detected_s": None if at.detected is None else round((at.detected - at.zero) / hz, 6),
+        "nearest_s": round((at.nearest - at.zero) / hz, 6),
         "clearance_m": rounded(clearance[rows], 2),
         **axes_of(columns["own.pos_enu_m"][coarse]),
         **{name: rounded(columns[column][coarse] * factor, digits) for name, column, factor, digits in CURVES},
@@ -129,7 +129,7 @@ def _obstacles(record: FlightRecord, rows: Array) -> list[dict[str, Any]]:
 def _decision(event: ReplanEvent, zero_s: float) -> dict[str, Any]:
     inserted = math.isfinite(sum(event.insertion_enu_m)) and math.isfinite(event.insertion_time_s)
     return {
-        "time_s": round(event.time_s - zero_s, 4),
+        "time_s": round(event.time_s - zero_s, 6),
         "decision": str(event.decision),
         "obstacle": event.obstacle,
         "alpha_deg": rounded(np.array([event.alpha_rad / DEG]), 1)[0],
@@ -149,7 +149,8 @@ def fits(told: Any) -> bool:
         return False
     if not (_is_number(told.get("hz")) and told["hz"] > 0 and isinstance(told.get("first"), int) and told["first"] <= 0):
         return False
-    n = len(told["x"]) if isinstance(told.get("x"), list) else 0
+    places: Any = told.get("x")
+    n = len(places) if isinstance(places, list) else 0
     lists = [told.get(name) for name in _NUMBERS[1:]] + _parts(told.get("wind"))
     obstacles, decisions = told.get("obstacles"), told.get("decisions")
     if not (n and isinstance(obstacles, list) and obstacles and isinstance(decisions, list)):
@@ -158,7 +159,7 @@ def fits(told: Any) -> bool:
         if not (isinstance(one, dict) and isinstance(one.get("name"), str) and _is_number(one.get("radius_m"))):
             return False
         lists += _parts(one)
-    clearance = told.get("clearance_m")
+    clearance: Any = told.get("clearance_m")
     return (
         all(_are_numbers(values) and len(values) == n for values in lists)
         and _are_numbers(clearance)

@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 from testbed.flight.record import AVOIDING, inside
 from testbed.show import words
 from testbed.show.close_up import DECISION, EVERY
-from testbed.show.words import DASH, number
+from testbed.show.words import number
 
 Point = tuple[float, float, float]
 CloseUp = Mapping[str, Any]
@@ -21,7 +21,10 @@ Ghosts = Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]]
 
 WIDTH, MARGIN, GAP = 320.0, 8.0, 16.0
 SEEN_BEFORE_S, SEEN_AFTER_S = 0.8, 0.8  # the box holds where everybody is from so long before 0 until so long after the closest approach
+ROUNDING = 1e-3  # of a sample: instants are kept to a millionth of a second
 SAME_S = 0.02  # instants nearer than this are one
+STROKES: Final = {"dot": "2 3", "dash": "7 4", "dashdot": "7 3 2 3", "longdash": "11 4"}
+"""Dashes by their names in the plot library, as SVG has them."""
 ICON_PX: Final = ((7.0, 0.0), (-5.0, 4.5), (-2.5, 0.0), (-5.0, -4.5))
 
 
@@ -59,7 +62,7 @@ def _instants(told: CloseUp) -> list[tuple[str, float]]:
 
 def clearance_at(told: CloseUp, at_s: float) -> float:
     """The logged clearance at the last sample that is not later; NaN outside of what was sampled."""
-    k = math.floor(at_s * told["hz"] - told["first"] + 1e-6)
+    k = math.floor(at_s * told["hz"] - told["first"] + ROUNDING)
     found = told["clearance_m"][k] if 0 <= k < len(told["clearance_m"]) else None
     return math.nan if found is None else float(found)
 
@@ -76,7 +79,7 @@ def _places(told: Mapping[str, Any]) -> list[Point | None]:
 
 def _row(told: CloseUp, at_s: float) -> int:
     """The coarse sample that is not later; the first or last one outside."""
-    k = math.floor((at_s * told["hz"] - told["first"]) / EVERY + 1e-6)
+    k = math.floor((at_s * told["hz"] - told["first"]) / EVERY + ROUNDING)
     return min(max(k, 0), len(told["x"]) - 1)
 
 
@@ -116,9 +119,7 @@ def _box(ghosts: Ghosts, focus: CloseUp, to_track: Any) -> tuple[list[float], li
     return low, high
 
 
-def _svg(
-    ghosts: Ghosts, focus: int, at_s: float, box: tuple[list[float], list[float]], to_track: Any, title: str
-) -> Markup:
+def _svg(ghosts: Ghosts, focus: int, at_s: float, box: tuple[list[float], list[float]], to_track: Any, title: str) -> Markup:
     low, high = box
     scale = (WIDTH - 2 * MARGIN) / max(high[0] - low[0], 1.0)
     tall = [scale * (high[k] - low[k]) + 2 * MARGIN for k in (1, 2)]
@@ -138,7 +139,8 @@ def _svg(
         parts.append(f'<g clip-path="url(#{clip})">')
         parts += _obstacles(ghosts[focus][1]["close_up"], at_s, px, scale)
         for k, (ghost, flight) in enumerate(ghosts):
-            parts += _ghost(ghost, flight["close_up"], at_s, px, k == focus)
+            if ghost["shown"]:
+                parts += _ghost(ghost, flight["close_up"], at_s, px, k == focus)
         parts.append(f'</g><text x="{MARGIN:.0f}" y="{top + tall[panel] - 6:.1f}">{name}</text>')
     length = 50.0 if scale * 50.0 < WIDTH / 2 else 10.0
     right, low_y = WIDTH - MARGIN, tall[0] - 8
@@ -155,7 +157,7 @@ def _obstacles(told: CloseUp, at_s: float, px: Any, scale: float) -> list[str]:
     """Spheres, red once they are decided about, with the cone of relative velocities that lead into each."""
     row, parts = _row(told, at_s), []
     own = _places(told)[row]
-    threats = {one["obstacle"] for one in told["decisions"] if one["time_s"] <= at_s + 1e-6}
+    threats = {one["obstacle"] for one in told["decisions"] if one["time_s"] <= at_s + ROUNDING}
     for obstacle in told["obstacles"]:
         places = _places(obstacle)
         centre, trail = places[row], [px(place) for place in places[: row + 1] if place is not None]
@@ -170,7 +172,7 @@ def _obstacles(told: CloseUp, at_s: float, px: Any, scale: float) -> list[str]:
     parts += [
         '<circle class="kf-insertion" cx="{:.1f}" cy="{:.1f}" r="4"/>'.format(*px(tuple(one["insertion_enu_m"])))
         for one in told["decisions"]
-        if one["insertion_enu_m"] and one["decision"] in AVOIDING and one["time_s"] <= at_s + 1e-6
+        if one["insertion_enu_m"] and one["decision"] in AVOIDING and one["time_s"] <= at_s + ROUNDING
     ]
     return parts
 
@@ -192,14 +194,15 @@ def _ghost(ghost: Mapping[str, Any], told: CloseUp, at_s: float, px: Any, is_foc
     if not flown:
         return []
     style = f'style="--l:{_colour(ghost["light"])};--d:{_colour(ghost["dark"])}"'
-    dash = ' stroke-dasharray="2 3"' if ghost["dash"] == "dot" else ""
+    dash = f' stroke-dasharray="{STROKES[ghost["dash"]]}"' if ghost["dash"] in STROKES else ""
     bad = " kf-inside" if inside(clearance_at(told, at_s)) else ""
     (x, y), (bx, by) = flown[-1], flown[-2] if len(flown) > 1 else (flown[-1][0] - 1.0, flown[-1][1])
     turn = math.degrees(math.atan2(y - by, x - bx))
     corners = " ".join(f"{a:g},{b:g}" for a, b in ICON_PX)
     return [
         f'<g class="kf-ghost{" kf-focus" if is_focus else ""}{bad}" {style}><polyline points="{_line(flown[::2] + flown[-1:])}"{dash}/>',
-        f'<polygon points="{corners}" transform="translate({x:.1f} {y:.1f}) rotate({turn:.0f})"><title>{escape(ghost["name"])}</title></polygon></g>',
+        f'<polygon points="{corners}" transform="translate({x:.1f} {y:.1f}) rotate({turn:.0f})">'
+        f"<title>{escape(ghost['name'])}</title></polygon></g>",
     ]
 
 

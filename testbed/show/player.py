@@ -31,7 +31,8 @@ Series = Mapping[str, dict[str, Any] | None]
 @dataclass(frozen=True)
 class Ghost:
     """A flight of a scene: its row, its name there, its colours by day and by night (``ink``: that of the text), its dash,
-    and whether it is shown from the start."""
+    and whether it is shown from the start.
+    """
 
     row: Row
     name: str
@@ -59,12 +60,13 @@ def scenes(rows: Sequence[Row], series: Series, axes: Sequence[str]) -> list[Sce
     named = titles(list(encounters.values()), axes)
     made = []
     for title, members in zip(named, encounters.values(), strict=True):
-        methods = list(dict.fromkeys(method(row) for row in members if row["method"] != NO_METHOD)) or [None]
+        without = [row for row in members if row["method"] == NO_METHOD]
+        methods = list(dict.fromkeys(method(row) for row in members if row["method"] != NO_METHOD))
         for name in methods:
-            mine = [row for row in members if name is None or method(row) == name]
-            without = [row for row in members if name is not None and row["method"] == NO_METHOD]
-            said = [title] if len(encounters) > 1 or name is None else []
-            made.append((_telling(mine), _scene(", ".join([*said, *([name] if name else [])]), mine, without, axes)))
+            mine = [row for row in members if method(row) == name]
+            made.append((_telling(mine), _scene(f"{title}, {name}" if len(encounters) > 1 else name, mine, without, axes)))
+        if not methods:
+            made.append((_telling(without), _scene(title, without, [], axes)))
     made.sort(key=lambda pair: pair[0])  # stable: equals stay in plan order
     return [scene for _, scene in made]
 
@@ -177,6 +179,7 @@ def _told(scene: Scene, ghosts: tuple[Ghost, ...]) -> dict[str, Any]:
                 "light": ghost.light,
                 "dark": ghost.dark,
                 "dash": ghost.dash,
+                "strokes": key_frames.STROKES.get(ghost.dash, ""),
                 "shown": ghost.shown,
                 "limits": limits_of(str(ghost.row["aircraft"])),
                 "least": words.number(value(ghost.row, "least_clearance_m"), 2),

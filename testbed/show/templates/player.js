@@ -148,7 +148,7 @@ const EncounterPlayer = (() => {
       head.scope = "row";
       shown.type = "checkbox"; shown.checked = ghost.shown; shown.setAttribute("aria-label", `show ${ghost.name}`);
       shown.addEventListener("change", () => { ghost.shown = shown.checked; scene.ranges = Object.fromEntries(Views.STRIPS.map(([name]) => [name, Views.range(scene, name)])); ask(); });
-      swatch.className = "ep-swatch"; swatch.style.background = ghost.colour;
+      swatch.innerHTML = `<svg class="ep-swatch" aria-hidden="true"><line x1="0" x2="28" y1="4" y2="4" style="stroke:${ghost.colour}" stroke-dasharray="${ghost.strokes}"></line></svg>`;
       follow.type = "button"; follow.textContent = ghost.name; follow.title = "follow this flight"; follow.setAttribute("aria-pressed", String(ghost === scene.focus));
       follow.addEventListener("click", () => choose(scene.index, k, scene.held, hiddenNow()));
       head.append(shown, swatch, follow);

@@ -6,6 +6,7 @@
  * that is `look` and `project` below. Coordinates: along the focus's track at instant 0, to its left, up. */
 const EncounterViews = (() => {
   const EVERY = 4; // samples of the clearance to one of all else, as testbed/show/close_up.py has it
+  const ROUNDING = 1e-3; // of a sample: instants are kept to a millionth of a second
   const DEG = Math.PI / 180;
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -42,8 +43,8 @@ const EncounterViews = (() => {
 
   /* The instant between samples; null outside of them. */
   function between(ghost, list, t) {
-    const at = (t - ghost.begin) / ghost.step, k = Math.min(Math.floor(at + 1e-9), list.length - 1);
-    if (at < -1e-6 || t > ghost.end + 1e-6) return null;
+    const at = (t - ghost.begin) / ghost.step, k = Math.min(Math.floor(at + ROUNDING), list.length - 1);
+    if (at < -ROUNDING || t > ghost.end + ROUNDING) return null;
     const a = list[k], b = list[Math.min(k + 1, list.length - 1)], share = Math.min(Math.max(at - k, 0), 1);
     if (a === null || b === null) return a;
     return Array.isArray(a) ? plus(a, less(b, a), share) : a + share * (b - a);
@@ -51,7 +52,7 @@ const EncounterViews = (() => {
 
   /* The logged clearance at the last sample that is not later: never one worked out from places in between. */
   function clearance(ghost, t) {
-    const f = ghost.flight.close_up, k = Math.floor(t * f.hz - f.first + 1e-6);
+    const f = ghost.flight.close_up, k = Math.floor(t * f.hz - f.first + ROUNDING);
     return k >= 0 && k < f.clearance_m.length ? f.clearance_m[k] : null;
   }
 
@@ -95,7 +96,7 @@ const EncounterViews = (() => {
 
   /* Is the obstacle decided about, and is it still ahead? With the relative velocity, and whether it leads inside. */
   function threat(ghost, obstacle, t) {
-    const decided = ghost.flight.close_up.decisions.some((d) => d.obstacle === obstacle.name && d.time_s <= t + 1e-6);
+    const decided = ghost.flight.close_up.decisions.some((d) => d.obstacle === obstacle.name && d.time_s <= t + ROUNDING);
     const own = between(ghost, ghost.points, t), centre = between(ghost, obstacle.points, t);
     if (!own || !centre) return { decided, own, centre };
     const dt = ghost.step, later = [between(ghost, ghost.points, t + dt), between(ghost, obstacle.points, t + dt)];
@@ -114,7 +115,7 @@ const EncounterViews = (() => {
     grid(g, w, h, px, scale, style);
     for (const ghost of ghosts) if (ghost.shown) {
       const main = ghost === focus;
-      for (const path of ghost.planned) if (path.at <= t + 1e-6) line(g, path.points.filter(Boolean).map(px), main ? style.quiet : ghost.colour, 1, main ? [6, 4] : [2, 4]);
+      for (const path of ghost.planned) if (path.at <= t + ROUNDING) line(g, path.points.filter(Boolean).map(px), main ? style.quiet : ghost.colour, 1, main ? [6, 4] : [2, 4]);
     }
     for (const ghost of ghosts) if (ghost.shown && ghost !== focus) spheres(g, ghost, t, px, scale, style, false, focus);
     spheres(g, focus, t, px, scale, style, true, focus);
@@ -149,7 +150,7 @@ const EncounterViews = (() => {
       g.strokeStyle = main ? colour : ghost.colour; g.lineWidth = main ? 1.8 : 1; g.setLineDash(main ? [] : DASHES[ghost.dash] || []); g.stroke(); g.setLineDash([]);
       if (main) text(g, seen.decided ? `${obstacle.name}, a threat` : obstacle.name, c[0], c[1] + radius + 15, colour, "center");
     });
-    if (main) for (const one of ghost.insertions) if (one.at <= t + 1e-6) {
+    if (main) for (const one of ghost.insertions) if (one.at <= t + ROUNDING) {
       const p = px(one.point);
       g.beginPath(); g.arc(p[0], p[1], 5, 0, 7); g.strokeStyle = style.command; g.lineWidth = 2; g.stroke();
       text(g, "insertion point", p[0], p[1] - 10, style.command, "center");
@@ -170,7 +171,7 @@ const EncounterViews = (() => {
 
   function flown(g, ghost, t, px, style, main, scene, up) {
     const here = between(ghost, ghost.points, t);
-    const count = Math.min(Math.max(0, Math.floor((t - ghost.begin) / ghost.step + 1e-9) + 1), ghost.points.length);
+    const count = Math.min(Math.max(0, Math.floor((t - ghost.begin) / ghost.step + ROUNDING) + 1), ghost.points.length);
     const trail = ghost.points.slice(0, count), at = (k) => ghost.begin + k * ghost.step;
     line(g, [...trail, here].filter(Boolean).map(px), ghost.colour, main ? 2.6 : 1.6, DASHES[ghost.dash] || []);
     let inside = [];
@@ -244,16 +245,16 @@ const EncounterViews = (() => {
     g.fillStyle = style.line; g.globalAlpha = 0.45; g.fillRect(0, far[1], w, h - far[1]); g.globalAlpha = 1;
     line(g, [[0, far[1]], [w, far[1]]], style.quiet, 1);
     if (!scene.held) ground(g, camera, scene, style);
-    for (const path of focus.planned) if (path.at <= t + 1e-6) spaceLine(g, camera, path.points, style.quiet, 1.4, [6, 4]);
+    for (const path of focus.planned) if (path.at <= t + ROUNDING) spaceLine(g, camera, path.points, style.quiet, 1.4, [6, 4]);
     for (const obstacle of focus.obstacles) sphere(g, w, h, camera, threat(focus, obstacle, t), obstacle, style);
-    for (const one of focus.insertions) if (one.at <= t + 1e-6) {
+    for (const one of focus.insertions) if (one.at <= t + ROUNDING) {
       const q = camera.seen(one.point), p = camera.project(q);
       if (q[2] > 1) { g.beginPath(); g.arc(p[0], p[1], Math.max(4, 0.02 * camera.lens * 60 / q[2]), 0, 7); g.strokeStyle = style.command; g.lineWidth = 2; g.stroke(); text(g, "insertion point", p[0] + 12, p[1] + 4, style.command); }
     }
     const there = [...ghosts.filter((one) => one.shown && one !== focus), focus].map((ghost) => [ghost, between(ghost, ghost.points, t)]);
     there.sort((a, b) => (b[1] ? camera.seen(b[1])[2] : 0) - (a[1] ? camera.seen(a[1])[2] : 0));
     for (const [ghost, here] of there) {
-      const count = Math.max(0, Math.floor((t - ghost.begin) / ghost.step + 1e-9) + 1);
+      const count = Math.max(0, Math.floor((t - ghost.begin) / ghost.step + ROUNDING) + 1);
       spaceLine(g, camera, [...ghost.points.slice(0, count), here], ghost.colour, ghost === focus ? 2.2 : 1.4, DASHES[ghost.dash] || []);
       if (!here) continue;
       const q = camera.seen(here);
