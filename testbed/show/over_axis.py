@@ -16,22 +16,15 @@ from testbed.results.columns import BY_NAME
 from testbed.results.flight_row import keeps, met_obstacle, value
 from testbed.results.statistics import Effect
 from testbed.show import words
+from testbed.show.axis_words import KEPT, axis_title, metric_text, place_text
 from testbed.show.gathered import KINEMATIC, Row, flyer
 
-KEPT: Final = "kept"
 METRICS: Final = (KEPT, "least_clearance_m", "max_load_factor", "max_roll_rate_dps", "max_bank_deg", "cross_track_max_m")
 """The share that keeps every radius, and columns of the results of which the median is shown."""
 MOST_CELLS = 2000  # are looked at, in plan order; a cell's numbers are kept until its median is known
 MOST_AXES, MOST_PAIRS, MOST_PANELS = 4, 2, 4
 COMPASS: Final = {name: 45.0 * k for k, name in enumerate(("N", "NE", "E", "SE", "S", "SW", "W", "NW"))}
 FROM: Final = "from_deg"
-UNITS: Final = {"mps": "m/s", "mps2": "m/s\N{SUPERSCRIPT TWO}", "deg": "deg", "dps": "deg/s", "m": "m", "s": "s", "hz": "Hz", "kg": "kg"}
-TITLES: Final = {
-    "air.wind.speed_mps": "wind speed (m/s)",
-    "wind_mps": "wind speed (m/s)",
-    "air.wind.from_deg": "where the wind comes from (deg)",
-    "wind_from": "where the wind comes from",
-}
 
 Key = tuple[tuple[str, str], ...]
 
@@ -99,6 +92,10 @@ class Grid:
     title: str
     cells: Mapping[tuple[float, float], Cell]
 
+    def name(self, axis: str, which: int, place: float) -> str:
+        """What stands at a place on its first (0) or second (1) axis: the label as the campaign wrote it."""
+        return next(cell.labels[axis] for at, cell in self.cells.items() if at[which] == place).replace("-", words.MINUS)
+
 
 @dataclass(frozen=True)
 class HeatMap:
@@ -154,7 +151,7 @@ class OverAxes:
 
     @cached_property
     def curves(self) -> tuple[Curves, ...]:
-        """Of every axis along which some line has two points; most points first where there are too many panels."""
+        """Of every axis along which some line has two points; most points first where there are too many panels, and aircraft first."""
         made = []
         for axis, places in self._places.items():
             panels: dict[tuple[str, Key], dict[str, list[tuple[float, Cell]]]] = {}
@@ -164,7 +161,7 @@ class OverAxes:
                     panels.setdefault(key, {}).setdefault(self.method(cell), []).append((places[cell.labels[axis]], cell))
             there = {key: lines for key, lines in panels.items() if any(len({x for x, _ in line}) > 1 for line in lines.values())}
             if there:
-                kept = sorted(there, key=lambda key: -sum(map(len, there[key].values())))[:MOST_PANELS]
+                kept = sorted(there, key=lambda key: (-sum(map(len, there[key].values())), _is_point(there[key])))[:MOST_PANELS]
                 titles = self._titles(kept)
                 drawn = tuple(
                     Panel(title, tuple(Line(name, tuple(sorted(line, key=lambda p: p[0]))) for name, line in there[key].items()))
@@ -214,21 +211,27 @@ class OverAxes:
         return [cell for cell in self._cells.values() if id(cell) in shown]
 
     def metrics(self) -> list[str]:
-        """Those of which there is a number to draw."""
-        return [name for name in METRICS if any(math.isfinite(cell.effects[name].value) for cell in self.drawn())]
+        """Those of which there is a number to draw. The share of a single flight is none."""
+        drawn = self.drawn()
+        known = [name for name in METRICS if any(math.isfinite(cell.effects[name].value) for cell in drawn)]
+        return [name for name in known if name != KEPT or any(cell.met > 1 for cell in drawn)]
 
     def sentences(self) -> list[str]:
         """What each axis does, by the panel of an aircraft with the most lines: between what and what, and where."""
         told = []
         for curve in self.curves:
-            flown = [panel for panel in curve.panels if panel.lines[0].points[0][1].first["plant"] != KINEMATIC] or list(curve.panels)
-            panel = max(flown, key=lambda one: len(one.lines))
+            panel = min(curve.panels, key=lambda one: (_is_point({line.method: list(line.points) for line in one.lines}), -len(one.lines)))
             name = KEPT if all(cell.met > 1 for line in panel.lines for _, cell in line.points) else "least_clearance_m"
             parts = [part for line in panel.lines if (part := _extremes(line, name))]
             if parts:
                 what = "the share that keeps every radius" if name == KEPT else "the least clearance (median)"
                 told.append(f"Over {curve.title}, {panel.title}: {what} is {'; '.join(parts)}.")
         return told
+
+
+def _is_point(lines: Mapping[str, Sequence[tuple[float, Cell]]]) -> bool:
+    """Whether it is the point on rails that flew them: an aircraft says more."""
+    return all(cell.first["plant"] == KINEMATIC for line in lines.values() for _, cell in line)
 
 
 def _extremes(line: Line, name: str) -> str:
@@ -259,38 +262,3 @@ def _is_place(label: Any) -> bool:
 
 def _is_round(axis: str, places: Mapping[str, float]) -> bool:
     return axis.rpartition(".")[2] == FROM or all(label in COMPASS for label in places)
-
-
-def place_text(x: float) -> str:
-    """A place on an axis."""
-    return f"{x:g}".replace("-", words.MINUS)
-
-
-def axis_title(axis: str) -> str:
-    """An axis for people, with its unit in brackets: ``sensor range (m)``."""
-    if axis in TITLES:
-        return TITLES[axis]
-    stem, _, unit = axis.rpartition("_")
-    told = f"{stem} ({UNITS[unit]})" if stem and unit in UNITS else axis
-    return words.read_aloud(told.replace(".options.", " ").replace(".", " "))
-
-
-def metric_title(name: str) -> str:
-    """A metric for people, with its unit in brackets."""
-    if name == KEPT:
-        return "share that keeps every radius"
-    column = BY_NAME[name]
-    return f"{column.heading} ({column.unit})" if column.unit else column.heading
-
-
-def metric_text(name: str, amount: float, unit: bool = True) -> str:
-    """A value of a metric as it is shown everywhere."""
-    if name == KEPT:
-        return words.percent(amount)
-    column = BY_NAME[name]
-    return words.number(amount, column.digits, column.unit if unit else "")
-
-
-def interval_text(name: str, effect: Effect) -> str:
-    """Its interval; a dash where there are too few flights for one."""
-    return words.interval(effect.low, effect.high, "share" if name == KEPT else "", None if name == KEPT else BY_NAME[name].digits)

@@ -9,22 +9,10 @@ from markupsafe import Markup, escape
 from testbed.results.columns import BY_NAME
 from testbed.results.statistics import Effect
 from testbed.show import palette
+from testbed.show.axis_words import KEPT, axis_title, interval_text, metric_text, metric_title, place_text
 from testbed.show.figures import CATEGORIES
 from testbed.show.key_frames import STROKES
-from testbed.show.over_axis import (
-    KEPT,
-    Curves,
-    Grid,
-    HeatMap,
-    Line,
-    OverAxes,
-    Panel,
-    axis_title,
-    interval_text,
-    metric_text,
-    metric_title,
-    place_text,
-)
+from testbed.show.over_axis import Curves, Grid, HeatMap, Line, OverAxes, Panel
 
 WIDTH, HEIGHT = 340.0, 230.0
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 12.0, 10.0, 38.0
@@ -95,7 +83,7 @@ def _heat_figure(pair: HeatMap, metrics: Sequence[str]) -> dict[str, Any]:
     each = []
     for name in metrics:
         span = _range(name, [cell.effects[name] for grid in pair.grids for cell in grid.cells.values()])
-        each.append([{"title": grid.title, "svg": _heat(grid, name, span, across, upward)} for grid in pair.grids])
+        each.append([{"title": grid.title, "svg": _heat(grid, name, span, pair)} for grid in pair.grids])
     return {"title": f"over {across}, and {upward}", "note": "Blue: better; orange: worse", "left_out": pair.left_out, "each": each}
 
 
@@ -153,10 +141,10 @@ def _curve(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: 
         )
     for tick in _ticks(*span):
         parts.append(f'<path class="oa-grid" d="M{LEFT:.0f} {py(tick):.1f}H{WIDTH - RIGHT:.0f}"/>')
-        parts.append(f'<text x="{LEFT - 5:.0f}" y="{py(tick) + 4:.1f}" text-anchor="end">{_tick_text(name, tick)}</text>')
+        parts.append(_text(LEFT - 5.0, py(tick) + 4.0, _tick_text(name, tick), "end"))
     for x in places if len(places) <= MOST_TICKS else _ticks(first, last):
-        parts.append(f'<text x="{px(x):.1f}" y="{HEIGHT - BOTTOM + 15:.0f}" text-anchor="middle">{place_text(x)}</text>')
-    parts.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2:.0f}" y="{HEIGHT - 6:.0f}" text-anchor="middle">{escape(axis)}</text>')
+        parts.append(_text(px(x), HEIGHT - BOTTOM + 15.0, place_text(x), "middle"))
+    parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 6.0, axis, "middle"))
     for k, line in enumerate(panel.lines):
         beside = 3.0 * (k - (len(panel.lines) - 1) / 2)  # so that the bars of lines do not cover one another
         parts += _drawn_line(line, name, looks[line.method], lambda x, y, beside=beside: (px(x) + beside, py(y)), closed=False)
@@ -193,13 +181,13 @@ def _polar(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: 
         ring = "oa-zero" if zero and tick == 0.0 else "oa-grid"
         parts.append(f'<circle class="{ring}" cx="{middle:.0f}" cy="{middle:.0f}" r="{middle - edge[1]:.1f}"/>')
         x, y = at(22.5, tick)
-        parts.append(f'<text class="oa-over" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{_tick_text(name, tick)}</text>')
+        parts.append(_text(x, y, _tick_text(name, tick), "middle", "oa-over"))
     for k, direction in enumerate(("N", "NE", "E", "SE", "S", "SW", "W", "NW")):
         angle = math.radians(45.0 * k)
         x, y = (middle + (reach + 17.0) * math.sin(angle), middle - (reach + 17.0) * math.cos(angle))
         (ax, ay), (bx, by) = at(45.0 * k, span[0]), at(45.0 * k, span[1])
         parts.append(f'<path class="oa-grid" d="M{ax:.1f} {ay:.1f}L{bx:.1f} {by:.1f}"/>')
-        parts.append(f'<text x="{x:.1f}" y="{y + 4:.1f}" text-anchor="middle">{direction}</text>')
+        parts.append(_text(x, y + 4.0, direction, "middle"))
     for line in panel.lines:
         places = sorted(x % 360.0 for x, _ in line.points)
         gaps = [b - a for a, b in zip(places, [*places[1:], places[0] + 360.0], strict=True)]
@@ -219,10 +207,11 @@ def _shade(name: str, amount: float, span: Range) -> tuple[int, int, int]:
     return red, green, blue
 
 
-def _heat(grid: Grid, name: str, span: Range, across: str, upward: str) -> Markup:
+def _heat(grid: Grid, name: str, span: Range, pair: HeatMap) -> Markup:
+    across, upward = axis_title(pair.across), axis_title(pair.upward)
     columns, rows = ([*sorted({place[k] for place in grid.cells})] for k in (0, 1))
     wide, tall = max((WIDTH - LEFT - RIGHT) / len(columns), 26.0), 30.0
-    right, low = LEFT + wide * len(columns), TOP + tall * len(rows)
+    right, low = LEFT + wide * len(columns), TOP + 12.0 + tall * len(rows)
     parts = [
         f'<svg viewBox="0 0 {right + RIGHT:.0f} {low + BOTTOM:.0f}" role="img" '
         f'aria-label="{_label(grid.title, name, f"{across} and {upward}")}">'
@@ -233,25 +222,23 @@ def _heat(grid: Grid, name: str, span: Range, across: str, upward: str) -> Marku
             continue
         shade = _shade(name, effect.value, span)
         bright = 0.299 * shade[0] + 0.587 * shade[1] + 0.114 * shade[2] > 140.0
-        said = escape(
-            f"{across} {place_text(x)}, {upward} {place_text(y)}: {metric_text(name, effect.value)} ({interval_text(name, effect)})"
-        )
+        where = f"{across} {grid.name(pair.across, 0, x)}, {upward} {grid.name(pair.upward, 1, y)}"
+        said = escape(f"{where}: {metric_text(name, effect.value)} ({interval_text(name, effect)})")
         parts.append(
             f'<rect x="{left + 1:.1f}" y="{top + 1:.1f}" width="{wide - 2:.1f}" height="{tall - 2:.0f}" rx="3" '
             f'fill="rgb({shade[0]},{shade[1]},{shade[2]})"><title>{said}</title></rect>'
         )
         written = metric_text(name, effect.value, unit=False).removesuffix(" %")
-        parts.append(
-            f'<text class="oa-{"dark" if bright else "bright"}" x="{left + wide / 2:.1f}" y="{top + tall / 2 + 4:.1f}" '
-            f'text-anchor="middle">{written}</text>'
-        )
-    parts += [
-        f'<text x="{LEFT + wide * (k + 0.5):.1f}" y="{low + 14:.0f}" text-anchor="middle">{place_text(x)}</text>'
-        for k, x in enumerate(columns)
-    ]
+        parts.append(_text(left + wide / 2, top + tall / 2 + 4.0, written, "middle", "oa-dark" if bright else "oa-bright"))
+    for k, x in enumerate(columns):
+        parts.append(_text(LEFT + wide * (k + 0.5), low + 14.0, grid.name(pair.across, 0, x), "middle"))
     for k, y in enumerate(rows):
-        parts.append(f'<text x="{LEFT - 5:.0f}" y="{low - tall * (k + 0.5) + 4:.1f}" text-anchor="end">{place_text(y)}</text>')
-    parts.append(
-        f'<text x="{(LEFT + right) / 2:.0f}" y="{low + BOTTOM - 6:.0f}" text-anchor="middle">across {escape(across)}; up {escape(upward)}</text>'
-    )
+        parts.append(_text(LEFT - 5.0, low - tall * (k + 0.5) + 4.0, grid.name(pair.upward, 1, y), "end"))
+    parts.append(_text(2.0, TOP + 2.0, upward, "start"))
+    parts.append(_text((LEFT + right) / 2, low + BOTTOM - 6.0, across, "middle"))
     return Markup("".join([*parts, "</svg>"]))
+
+
+def _text(x: float, y: float, said: str, anchor: str, css: str = "") -> str:
+    css = f' class="{css}"' if css else ""
+    return f'<text{css} x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{escape(said)}</text>'
