@@ -161,7 +161,7 @@ def fits(told: Any) -> bool:
         lists += _parts(one)
     clearance: Any = told.get("clearance_m")
     return (
-        all(_are_numbers(values) and len(values) == n for values in lists)
+        all(_are_numbers(values) and isinstance(values, list) and len(values) == n for values in lists)
         and _are_numbers(clearance)
         and EVERY * (n - 1) < len(clearance) <= EVERY * n
         and all(_is_number(told.get(name)) for name in ("zero_s", "nearest_s", "ground_z_m"))

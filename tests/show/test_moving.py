@@ -229,7 +229,9 @@ def test_it_plays_scrubs_and_pauses_and_its_clearance_is_the_record_s(
     assert page.locator("#ep-rows td.ep-cell").first.get_attribute("data-flight") == other.ghosts[0].row["flight_id"]
     page.emulate_media(media="print")
     assert page.locator(".ep-frames svg").first.is_visible()
+    assert page.locator("table.ep-static").is_visible()
     assert not page.locator("#ep-plan").is_visible()
+    assert not page.locator("#ep-rows").is_visible()
     page.close()
 
     page = opened("no-preference", "dark", 400)
@@ -243,7 +245,7 @@ def test_it_plays_scrubs_and_pauses_and_its_clearance_is_the_record_s(
     assert page.locator(".ep-frames svg").first.is_visible()
     assert not page.locator("#ep").is_visible()
     page.locator("label.oa-label", has_text="load factor").click()  # the metric is chosen without JavaScript too
-    assert page.locator(".oa-2").first.is_visible()
+    assert page.locator(".oa-1").first.is_visible()
     assert not page.locator(".oa-0").first.is_visible()
     page.close()
     assert problems == []
@@ -251,7 +253,7 @@ def test_it_plays_scrubs_and_pauses_and_its_clearance_is_the_record_s(
 
 def test_number_of_the_least_clearance_is_that_of_the_row(html: str, flown: tuple[list[Row], dict[str, Any]]) -> None:
     """The column 'least' also counts what lies between ticks: it is the row's."""
-    section = html[html.index('<tbody id="ep-rows">') :].split("</tbody>", maxsplit=1)[0]
+    section = html[html.index('<table class="ep-table ep-static">') :].split("</table>", maxsplit=1)[0]
     for ghost in player.scenes(*flown, ["air.wind.speed_mps"])[0].ghosts:
         least = ghost.row["least_clearance_m"]
         assert math.isfinite(least)

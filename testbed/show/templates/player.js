@@ -90,7 +90,7 @@ const EncounterPlayer = (() => {
 
   function frame(now) {
     if (!playing) return;
-    t += Math.min((now - last) / 1000, 0.1) * Number($("ep-speed").value);
+    t += Math.min((now - last) / 1000, 0.25) * Number($("ep-speed").value);
     last = now;
     if (t >= scene.end) { t = scene.end; pause(); }
     draw();
