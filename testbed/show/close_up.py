@@ -18,6 +18,7 @@ BEFORE_S, AFTER_S = 1.0, 1.5  # shown before the decision, and after the closest
 SEEN_S = 4.0  # a detection so long before the decision is still shown
 LONGEST_S = 20.0
 MOST_OBSTACLES, MOST_DECISIONS = 12, 8
+FAR = 1e9  # beyond this no number of a flight is one
 
 DECISION: Final = "decision"
 DETECTION: Final = "detection"
@@ -147,7 +148,7 @@ def fits(told: Any) -> bool:
         return True
     if not isinstance(told, dict) or told.get("zero_is") not in ZEROS:
         return False
-    if not (_is_number(told.get("hz")) and told["hz"] > 0 and isinstance(told.get("first"), int) and told["first"] <= 0):
+    if not (_is_number(told.get("hz")) and told["hz"] > 0 and isinstance(told.get("first"), int) and -FAR < told["first"] <= 0):
         return False
     places: Any = told.get("x")
     n = len(places) if isinstance(places, list) else 0
@@ -184,7 +185,7 @@ def _parts(told: Any) -> list[Any]:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and -FAR < value < FAR
 
 
 def _are_numbers(values: Any) -> bool:

@@ -22,6 +22,7 @@ Ghosts = Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]]
 WIDTH, MARGIN, GAP = 320.0, 8.0, 16.0
 SEEN_BEFORE_S, SEEN_AFTER_S = 0.8, 0.8  # the box holds where everybody is from so long before 0 until so long after the closest approach
 ROUNDING = 1e-3  # of a sample: instants are kept to a millionth of a second
+CALM_MPS = 0.05
 SAME_S = 0.02  # instants nearer than this are one
 STROKES: Final = {"dot": "2 3", "dash": "7 4", "dashdot": "7 3 2 3", "longdash": "11 4"}
 """Dashes by their names in the plot library, as SVG has them."""
@@ -50,7 +51,7 @@ def _instants(told: CloseUp) -> list[tuple[str, float]]:
     found = [("the planner decides" if told["zero_is"] == DECISION else told["zero_is"], 0.0)]
     if told["detected_s"] is not None and begin_s <= told["detected_s"] <= 0.0:
         found.append(("detected", told["detected_s"]))
-    found += [("closest approach", told["nearest_s"]), ("afterwards", end_s)]
+    found += [("closest approach", told["nearest_s"]), ("afterwards", min(end_s, max(told["nearest_s"], 0.0) + SEEN_AFTER_S))]
     merged: dict[float, list[str]] = {}
     for name, at_s in sorted(found, key=lambda pair: (pair[1], pair[0])):
         near = next((other for other in merged if abs(other - at_s) < SAME_S), at_s)
@@ -142,11 +143,29 @@ def _svg(ghosts: Ghosts, focus: int, at_s: float, box: tuple[list[float], list[f
             if ghost["shown"]:
                 parts += _ghost(ghost, flight["close_up"], at_s, px, k == focus)
         parts.append(f'</g><text x="{MARGIN:.0f}" y="{top + tall[panel] - 6:.1f}">{name}</text>')
+    parts += _wind(ghosts[focus][1]["close_up"], at_s, to_track)
     length = 50.0 if scale * 50.0 < WIDTH / 2 else 10.0
     right, low_y = WIDTH - MARGIN, tall[0] - 8
     parts.append(f'<path class="kf-bar" d="M{right - scale * length:.1f} {low_y:.1f}H{right:.1f}"/>')
     parts.append(f'<text x="{right:.0f}" y="{low_y - 4:.1f}" text-anchor="end">{length:.0f} m</text></svg>')
     return Markup("".join(parts))
+
+
+def _wind(told: CloseUp, at_s: float, to_track: Any) -> list[str]:
+    """An arrow the way the air goes, and how fast and from where, in the upper right corner."""
+    row = _row(told, at_s)
+    east, north, _ = air = tuple(told["wind"][axis][row] or 0.0 for axis in "xyz")
+    speed = math.hypot(east, north)
+    right = WIDTH - MARGIN
+    if speed < CALM_MPS:
+        return [f'<text x="{right:.0f}" y="18" text-anchor="end">calm air</text>']
+    here, there = to_track((0.0, 0.0, 0.0)), to_track(air)
+    turn = math.degrees(math.atan2(here[1] - there[1], there[0] - here[0]))  # clockwise on paper, where y leads down
+    said = f"wind {number(speed, 1)} m/s from {round(math.degrees(math.atan2(-east, -north))) % 360:03d}\N{DEGREE SIGN}"
+    return [
+        f'<text x="{right - 34:.0f}" y="18" text-anchor="end">{said}</text>',
+        f'<path class="kf-wind" d="M-12 0H10M3 -5L11 0L3 5" transform="translate({right - 14:.0f} 16) rotate({turn:.0f})"/>',
+    ]
 
 
 def _line(points: Sequence[tuple[float, float]]) -> str:

@@ -21,6 +21,7 @@ from testbed.show.gathered import KINEMATIC, Row, flyer
 
 METRICS: Final = (KEPT, "least_clearance_m", "max_load_factor", "max_roll_rate_dps", "max_bank_deg", "cross_track_max_m")
 """The share that keeps every radius, and columns of the results of which the median is shown."""
+WHO: Final = ("labels", "plant", "aircraft", "method")
 MOST_CELLS = 2000  # are looked at, in plan order; a cell's numbers are kept until its median is known
 MOST_AXES, MOST_PAIRS, MOST_PANELS = 4, 2, 4
 COMPASS: Final = {name: 45.0 * k for k, name in enumerate(("N", "NE", "E", "SE", "S", "SW", "W", "NW"))}
@@ -31,7 +32,7 @@ Key = tuple[tuple[str, str], ...]
 
 @dataclass
 class Cell:
-    """The flights of one cell. ``first``: the first of them."""
+    """The flights of one cell. ``first``: who flew the first of them, as all the others."""
 
     first: Row
     n: int = 0
@@ -118,7 +119,7 @@ class OverAxes:
         for row in rows:
             name = str(row["cell"])
             if name in self._cells or (len(self._cells) < MOST_CELLS and any(map(_is_place, row["labels"].values()))):
-                self._cells.setdefault(name, Cell({**row, "events": ()})).add(row)
+                self._cells.setdefault(name, Cell({key: row[key] for key in WHO})).add(row)
             yield row
 
     @cached_property

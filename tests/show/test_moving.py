@@ -106,6 +106,7 @@ def test_a_stored_close_up_of_another_form_is_refused(flown: tuple[list[Row], di
     for key, wrong in (
         ("clearance_m", told["clearance_m"][:-EVERY]), ("x", [*told["x"], 0.0]), ("hz", 0), ("first", 0.5), ("zero_is", "<b>"),
         ("obstacles", []), ("obstacles", [{"name": 3}]), ("decisions", [{"time_s": "0"}]), ("wind", None), ("bank_deg", ["x"]),
+        ("nearest_s", 10**400),
     ):  # fmt: skip
         spoilt = copy.deepcopy(told) | {key: wrong}
         assert not close_up.fits(spoilt), key
@@ -142,7 +143,7 @@ def test_key_frames_say_the_logged_clearances_without_javascript(
             logged = _logged(records[name], told, instant)
             assert key_frames.clearance_at(told, instant) == pytest.approx(logged, abs=0.0051)
             assert f">{number(key_frames.clearance_at(told, instant), 2)}</td>" in section
-    for title in ("decides", "Closest approach", "Afterwards"):
+    for title in ("decides", "Closest approach", "Afterwards", "wind 10.0 m/s from 315°"):
         assert title in section
 
 
