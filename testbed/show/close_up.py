@@ -70,6 +70,8 @@ def close_up(record: FlightRecord, clearance: Array, roll_rate: Array) -> dict[s
     begin = at.zero - (at.zero - at.first) // step * step
     rows, coarse = np.arange(begin, at.last + 1, stride), np.arange(begin, at.last + 1, step)
     hz = record.plan.rates.plant_hz
+    if not np.isfinite(columns["own.pos_enu_m"][coarse]).all(axis=1).any():
+        return None
     return {
         "zero_s": round(float(columns["time_s"][at.zero]), 6),
         "zero_is": at.zero_is,
@@ -81,7 +83,7 @@ def close_up(record: FlightRecord, clearance: Array, roll_rate: Array) -> dict[s
         **axes_of(columns["own.pos_enu_m"][coarse]),
         **{name: rounded(columns[column][coarse] * factor, digits) for name, column, factor, digits in CURVES},
         "roll_rate_dps": rounded(roll_rate[coarse] / DEG, 1),
-        "wind": axes_of(columns["air.wind_enu_mps"][coarse], 1),
+        "wind": axes_of(columns["air.wind_enu_mps"][coarse]),
         "ground_z_m": round(float(record.plan.terrain_z_m), 1),
         "obstacles": _obstacles(record, coarse),
         "decisions": [_decision(event, at.zero / hz) for event in record.events if begin <= event.time_s * hz <= at.last][:MOST_DECISIONS],
@@ -163,6 +165,7 @@ def fits(told: Any) -> bool:
     clearance: Any = told.get("clearance_m")
     return (
         all(_are_numbers(values) and isinstance(values, list) and len(values) == n for values in lists)
+        and any(None not in place for place in zip(*_parts(told), strict=True))
         and _are_numbers(clearance)
         and EVERY * (n - 1) < len(clearance) <= EVERY * n
         and all(_is_number(told.get(name)) for name in ("zero_s", "nearest_s", "ground_z_m"))

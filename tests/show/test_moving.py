@@ -81,7 +81,7 @@ def test_every_sample_is_the_logged_clearance_of_its_tick(
         for axis, told_axis in enumerate("xyz"):
             assert np.allclose(told[told_axis], record.columns["own.pos_enu_m"][coarse, axis], atol=0.0051)
             assert np.allclose(told["obstacles"][0][told_axis], record.columns["obstacle.O.pos_enu_m"][coarse, axis], atol=0.0051)
-            assert np.allclose(told["wind"][told_axis], record.columns["air.wind_enu_mps"][coarse, axis], atol=0.051)
+            assert np.allclose(told["wind"][told_axis], record.columns["air.wind_enu_mps"][coarse, axis], atol=0.0051)
         assert np.allclose(told["bank_deg"], np.degrees(record.columns["own.bank_rad"][coarse]), atol=0.051)
 
 
@@ -106,7 +106,7 @@ def test_a_stored_close_up_of_another_form_is_refused(flown: tuple[list[Row], di
     for key, wrong in (
         ("clearance_m", told["clearance_m"][:-EVERY]), ("x", [*told["x"], 0.0]), ("hz", 0), ("first", 0.5), ("zero_is", "<b>"),
         ("obstacles", []), ("obstacles", [{"name": 3}]), ("decisions", [{"time_s": "0"}]), ("wind", None), ("bank_deg", ["x"]),
-        ("nearest_s", 10**400),
+        ("nearest_s", 10**400), ("x", [None] * len(told["x"])),
     ):  # fmt: skip
         spoilt = copy.deepcopy(told) | {key: wrong}
         assert not close_up.fits(spoilt), key

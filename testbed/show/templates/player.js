@@ -29,7 +29,7 @@ const EncounterPlayer = (() => {
     made.track = trackOf(made.focus.flight.close_up);
     const f = made.focus.flight.close_up, k = Math.min(Math.max(Math.round((f.nearest_s * f.hz - f.first) / 4), 0), f.x.length - 1), main = f.obstacles[0];
     const anchor = main.x[k] === null ? [0, 0, 0] : made.track.point([main.x[k], main.y[k], main.z[k]]);
-    for (const ghost of ghosts) { ghost.colour = colour(ghost); Views.placed(ghost, made.track, held, anchor); }
+    for (const ghost of ghosts) { ghost.colour = colour(ghost); Views.placed(ghost, made.track, held, anchor, main.name); }
     made.begin = Math.min(...ghosts.map((one) => one.begin)); made.end = Math.max(...ghosts.map((one) => one.end));
     made.box = boxOf(made, f.nearest_s);
     made.ranges = Object.fromEntries(Views.STRIPS.map(([name]) => [name, Views.range(made, name)]));

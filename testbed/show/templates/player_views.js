@@ -24,13 +24,13 @@ const EncounterViews = (() => {
   ];
 
   /* Samples of a flight in the coordinates of the views. `held`: the obstacle that comes nearest is taken to stand still. */
-  function placed(ghost, track, held, anchor) {
+  function placed(ghost, track, held, anchor, mainName) {
     const f = ghost.flight.close_up;
     const points = (told) => told.x.map((x, k) => (x === null || told.y[k] === null || told.z[k] === null ? null : track.point([x, told.y[k], told.z[k]])));
     ghost.begin = f.first / f.hz; ghost.step = EVERY / f.hz; ghost.end = (f.first + f.clearance_m.length - 1) / f.hz;
     ghost.obstacles = f.obstacles.map((one) => ({ name: one.name, radius: one.radius_m, points: points(one) }));
     ghost.points = points(f);
-    const main = ghost.obstacles[0].points, shift = (list) => list.map((p, k) => (p && main[k] ? plus(less(p, main[k]), anchor) : null));
+    const main = (ghost.obstacles.find((one) => one.name === mainName) || ghost.obstacles[0]).points, shift = (list) => list.map((p, k) => (p && main[k] ? plus(less(p, main[k]), anchor) : null));
     ghost.insertions = f.decisions.filter((d) => d.insertion_enu_m).map((d) => ({ at: d.time_s, point: track.point(d.insertion_enu_m) }));
     ghost.planned = ghost.flight.paths.map((path) => ({ at: path.from_s - f.zero_s, points: points(path) }));
     if (held) {
@@ -134,10 +134,10 @@ const EncounterViews = (() => {
   }
 
   function spheres(g, ghost, t, px, scale, style, main, focus) {
-    ghost.obstacles.forEach((obstacle, k) => {
+    ghost.obstacles.forEach((obstacle) => {
       const seen = threat(ghost, obstacle, t);
       if (!seen.centre) return;
-      const twin = focus.obstacles[k] && between(focus, focus.obstacles[k].points, t);
+      const same = focus.obstacles.find((one) => one.name === obstacle.name), twin = same && between(focus, same.points, t);
       if (!main && twin && length(less(twin, seen.centre)) < 0.5) return; // where the focus has it too
       const c = px(seen.centre), radius = scale * obstacle.radius, colour = seen.decided ? style.bad : style.quiet;
       if (main) {
@@ -181,11 +181,21 @@ const EncounterViews = (() => {
     if (!here) return;
     const c = px(here), axes = attitude(ghost, scene.track, t), size = main ? 30 : 20;
     aeroplane(g, MODEL.map((side) => side.map((p) => { const b = inBody(axes, p, size); return [c[0] + b[0], c[1] - b[up]]; })), ghost.colour, style.panel);
-    const now = clearance(ghost, t), obstacle = ghost.obstacles[0], centre = between(ghost, obstacle.points, t);
-    if (!main || up !== 1 || now === null || !centre || now > 120) return;
-    const far = length(less(centre, here)), edge = px(plus(here, less(centre, here), now / (far || 1)));
+    const now = clearance(ghost, t);
+    if (!main || up !== 1 || now === null || now > 120) return;
+    const [far, centre] = nearest(ghost, here, t), edge = px(plus(here, less(centre, here), now / (far || 1)));
     line(g, [c, edge], now < 0 ? style.bad : style.ink, 1.2);
     text(g, `${scene.number(now)} m`, c[0] + 16, c[1] + 20, now < 0 ? style.bad : style.ink, "left", "600 13px system-ui, sans-serif");
+  }
+
+  /* Distance to the centre of the obstacle whose surface is nearest, and that centre. */
+  function nearest(ghost, here, t) {
+    let found = [0, here], least = Infinity;
+    for (const obstacle of ghost.obstacles) {
+      const centre = between(ghost, obstacle.points, t), far = centre ? length(less(centre, here)) : Infinity;
+      if (far - obstacle.radius < least) { least = far - obstacle.radius; found = [far, centre]; }
+    }
+    return found;
   }
 
   function arrow(g, x, y, turn, size, colour) {
@@ -298,6 +308,7 @@ const EncounterViews = (() => {
   /* What is drawn of a curve: up to somewhat more than the limit, since a point on rails has none. */
   function range(scene, name) {
     const all = scene.ghosts.filter((one) => one.shown || one === scene.focus).flatMap((one) => one.flight.close_up[name].filter((v) => v !== null));
+    if (!all.length) return [-1, 1];
     let low = Math.min(...all), high = Math.max(...all);
     const limit = scene.focus.limits[name];
     if (name === "clearance_m") return [Math.min(low, 0) - 3, Math.min(Math.max(high, 10), Math.max(30, -4 * low))];
