@@ -74,6 +74,7 @@ def record(duration_s: float = 8.0, **changes: object) -> FlightRecord:
         "own.alpha_rad": 0.05 + 0.01 * np.sin(time_s) if flown else unknown,
         "own.beta_rad": np.zeros(n),
         "own.rates_body_radps": np.zeros((n, 3)),
+        "air.wind_enu_mps": np.zeros((n, 3)),
         **{f"own.{name}": (0.5 + 0.1 * np.sin(time_s) if flown else unknown) for name in ("throttle", "elevator", "aileron", "rudder")},
         "guidance.s_m": SPEED_MPS * time_s,
         "guidance.bank_cmd_rad": np.full(n, BANK_RAD) + 0.02,

@@ -16,6 +16,7 @@ from pydantic_core import from_json
 from testbed.core.utf8 import whole
 from testbed.flight.record import Outcome
 from testbed.results.columns import IDENTITY_COLUMNS, METRICS, Kind
+from testbed.show import close_up
 
 FOLDERS: Final = ("recordings", "columns", "plugins")
 """Those of a run directory; everything else of ours in it is a file."""
@@ -130,9 +131,8 @@ def _is_series(series: Any) -> bool:
         return False
     curves = [series.get(name, []) for name in _CURVES]
     numbers = all(isinstance(curve, list) and all(_is_number(value) for value in curve) for curve in curves)
-    return numbers and all(
-        isinstance(series.get(name, []), list) and all(isinstance(i, dict) for i in series.get(name, [])) for name in _LISTS
-    )
+    lists = all(isinstance(series.get(name, []), list) and all(isinstance(i, dict) for i in series.get(name, [])) for name in _LISTS)
+    return numbers and lists and close_up.fits(series.get("close_up"))
 
 
 def _are_times(timings: Any) -> bool:

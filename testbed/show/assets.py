@@ -6,10 +6,13 @@ import json
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
+
+if TYPE_CHECKING:
+    from testbed.show.player import Scene
 
 
 @dataclass(frozen=True)
@@ -20,6 +23,7 @@ class PageHead:
     css: Markup
     script: Markup
     nav: tuple[tuple[str, str], ...]  # id of a section, its name
+    scenes: "tuple[Scene, ...]" = ()  # encounters that move on top of the page; none: those of the page's own choice
 
 
 def environment(package: str = "testbed.show") -> Environment:

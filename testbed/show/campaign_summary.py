@@ -58,9 +58,13 @@ def pairs(rows: Sequence[Row]) -> list[Pair]:
     return found
 
 
-def sentences(of: Gathered, matched: Sequence[Pair]) -> list[str]:
-    """The answer in words, generated from the rows alone."""
+def sentences(of: Gathered, matched: Sequence[Pair], over_axes: Sequence[str] = ()) -> list[str]:
+    """The answer in words, generated from the rows alone. Where an axis of numbers is swept, ``over_axes`` says what it does: shares over
+    all its places together would answer nobody's question.
+    """
     said = [f"Of {words.counted(of.n, 'flight')}, {words.outcomes(of.outcomes)}."]
+    if over_axes:
+        return said + list(over_axes)
     for name, by_method in of.by_flyer.items():
         parts = [f"in {_collided(same)} {_with(same.first)}" for same in by_method.values()]
         plant = next(iter(by_method.values())).first["plant"]

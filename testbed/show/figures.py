@@ -33,9 +33,9 @@ def figure_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]
         if row["flight_id"] in curves:
             by_encounter.setdefault(str(curves[row["flight_id"]]["encounter"]), []).append(row)
     each = max(1, min(MOST_PER_GROUP, MOST_IN_ALL // max(1, len(by_encounter))))
-    titles = _titles(list(by_encounter.values()), axes)
+    named = titles(list(by_encounter.values()), axes)
     groups, flights = [], {}
-    for title, members in list(zip(titles, by_encounter.values(), strict=True))[:MOST_IN_ALL]:
+    for title, members in list(zip(named, by_encounter.values(), strict=True))[:MOST_IN_ALL]:
         shown = selection(members, each)
         own_axes = [axis for axis in axes if len({str(row["labels"].get(axis)) for row in members}) > 1]
         groups.append({"title": title, "flights": [row["flight_id"] for row in shown], "left_out": len(members) - len(shown)})
@@ -62,7 +62,7 @@ def _or_none(number: float) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def _titles(groups: list[list[Row]], axes: Sequence[str]) -> list[str]:
+def titles(groups: list[list[Row]], axes: Sequence[str]) -> list[str]:
     """What tells the groups apart: the labels that are the same all through a group and differ between groups."""
 
     def labels(group: list[Row], axis: str) -> set[str]:
@@ -73,10 +73,10 @@ def _titles(groups: list[list[Row]], axes: Sequence[str]) -> list[str]:
         for axis in axes
         if all(len(labels(group, axis)) == 1 for group in groups) and len(set().union(*(labels(g, axis) for g in groups))) > 1
     ]
-    titles = [circumstances(group[0], naming) or f"encounter {count}" for count, group in enumerate(groups, start=1)]
+    named = [circumstances(group[0], naming) or f"encounter {count}" for count, group in enumerate(groups, start=1)]
     if len(groups) == 1:
         return ["the encounter"]
-    return [title if titles.count(title) == 1 else f"{title} ({count})" for count, title in enumerate(titles, start=1)]
+    return [title if named.count(title) == 1 else f"{title} ({count})" for count, title in enumerate(named, start=1)]
 
 
 def selection(rows: Sequence[Row], most: int) -> list[Row]:

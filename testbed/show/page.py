@@ -19,10 +19,14 @@ from testbed.show.figures import figure_data
 from testbed.show.flight_summary import level_turn, radius_m
 from testbed.show.gathered import MOST_FLIGHT_ROWS, Row, flyer, gather, method
 from testbed.show.histogram import histograms
+from testbed.show.over_axis import OverAxes
+from testbed.show.over_axis_svg import pictures
+from testbed.show.player import player, scenes
 from testbed.show.shown_columns import DECISION_TERMS, PAIRED, SHOWN_COLUMNS, SUMMARISED, text
 from testbed.show.words import number
 
 MOST_TRACEBACK = 4_000  # characters, its end
+SCRIPTS = ("plot.js", "player_views.js", "player.js", "page.js")
 CELLS_FROM = 25  # so many flights are better read by cell
 
 
@@ -38,13 +42,16 @@ def render_page(
 
     With a ``head`` that comes first, and the ordinary parts are folded up below it.
     """
-    of = gather(row | {key: (series.get(row["flight_id"]) or {}).get(key) for key in ("encounter", "geometry")} for row in rows)
+    over = OverAxes()
+    of = gather(row | {key: (series.get(row["flight_id"]) or {}).get(key) for key in ("encounter", "geometry")} for row in over.watch(rows))
     axes, listed_axes = of.telling_axes, of.listed_axes
     matched = campaign_summary.pairs(of.pictured)
     listed = of.nearest if of.n > MOST_FLIGHT_ROWS else of.first
     figures = figure_data(of.pictured, series, axes)
     cells = campaign_summary.cells(of, axes) if of.n >= CELLS_FROM or of.replicated else []
     has_pictures = bool(figures["groups"])
+    answer = campaign_summary.sentences(of, matched, over.sentences()) if of.n else ["No flight was flown."]
+    moving = head.scenes if head and head.scenes else scenes(of.pictured, series, axes)
     return (
         environment()
         .get_template("index.html.j2")
@@ -52,7 +59,7 @@ def render_page(
             campaign=campaign,
             page_head=head,
             axes=[words.axis_heading(axis) for axis in listed_axes],
-            sentences=campaign_summary.verdict(checks) + (campaign_summary.sentences(of, matched) if of.n else ["No flight was flown."]),
+            sentences=campaign_summary.verdict(checks) + answer,
             cards=campaign_summary.cards(of) if of.n else [],
             checks=[_check(line) for line in checks],
             pairs=[_pair(pair, axes) for pair in matched],
@@ -72,12 +79,18 @@ def render_page(
             failures_left_out=of.outcomes[Outcome.CRASHED] - len(of.failures),
             provenance=_flattened(provenance),
             has_pictures=has_pictures,
-            css=asset("page.css") + (head.css if head else Markup()),
-            script=asset("plot.js") + asset("page.js") + (head.script if head else Markup()) + Markup("Plots.run();"),
+            player=player(moving, series),
+            over_axis=pictures(over),
+            css=_assets("page.css", "player.css", "over_axis.css") + (head.css if head else Markup()),
+            script=_assets(*SCRIPTS) + (head.script if head else Markup()) + Markup("Plots.run();"),
             figures=packed_json(figures) if has_pictures else "",
             plotly=plotly(),
         )
     )
+
+
+def _assets(*names: str) -> Markup:
+    return Markup("").join(map(asset, names))
 
 
 def _sortable(amount: float) -> str:

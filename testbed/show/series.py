@@ -10,6 +10,7 @@ import numpy as np
 from testbed.core.units import DEG
 from testbed.flight.record import FlightRecord, PlannedPath
 from testbed.results.quantities import demanded_roll_rate
+from testbed.show.close_up import axes_of, close_up, rounded
 from testbed.show.flight_summary import path_points, who
 
 Array = np.ndarray
@@ -42,7 +43,7 @@ def flight_series(record: FlightRecord) -> Series:
         "encounter": encounter_key(record),
         "geometry": record.plan.geometry,
         "time_s": rounded(time_s[rows], 3),
-        **_axes_of(record.columns["own.pos_enu_m"][rows]),
+        **axes_of(record.columns["own.pos_enu_m"][rows]),
         "clearance_m": rounded(clearance[rows], 3) if record.plan.obstacles else [],
         **{name: rounded(record.columns[column][rows] * factor, digits) for name, column, factor, digits in CURVES},
         ROLL_RATE: rounded(roll_rate[rows] / DEG, 1),
@@ -57,6 +58,7 @@ def flight_series(record: FlightRecord) -> Series:
             }
             for event in record.events
         ],
+        "close_up": close_up(record, clearance, roll_rate),
     }
 
 
@@ -64,15 +66,6 @@ def encounter_key(record: FlightRecord) -> str:
     """The same for flights that meet the same obstacles on the same route, whoever flies and avoids."""
     said = record.plan.model_dump(mode="json", include={"route", "geometry", "obstacles"})
     return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:12]
-
-
-def rounded(values: Array, digits: int) -> list[float | None]:
-    """Plain floats, without negative zeros; ``None`` for what is not finite."""
-    return [round(float(value), digits) + 0.0 if math.isfinite(value) else None for value in values]
-
-
-def _axes_of(points: Array) -> dict[str, list[float | None]]:
-    return {axis: rounded(points[:, k], 2) for k, axis in enumerate("xyz")}
 
 
 def _clearance(record: FlightRecord) -> Array:
@@ -104,7 +97,7 @@ def _chosen_rows(record: FlightRecord, clearance: Array, roll_rate: Array) -> Ar
 
 def _path(path: PlannedPath) -> dict[str, Any]:
     pieces = path_points(path, PATH_SAMPLES)
-    return {"from_s": round(path.from_time_s, 3), **_axes_of(np.vstack(pieces))}
+    return {"from_s": round(path.from_time_s, 3), **axes_of(np.vstack(pieces))}
 
 
 def _obstacles(record: FlightRecord) -> list[dict[str, Any]]:
@@ -118,7 +111,7 @@ def _obstacles(record: FlightRecord) -> list[dict[str, Any]]:
             {
                 "name": spec.name,
                 "radius_m": spec.radius_m,
-                **_axes_of(pos[around[[0, -1]]]),
+                **axes_of(pos[around[[0, -1]]]),
                 "nearest_time_s": round(float(record.columns["time_s"][nearest]), 3),
                 "nearest_enu_m": rounded(pos[nearest], 2),
             }

@@ -139,6 +139,7 @@ def test_json_that_is_none_is_told(run, name, text):
         (("row",), 3),
         (("series",), [3]),
         (("series",), {"time_s": "x"}),
+        (("series",), {"close_up": {"hz": 120, "first": -3}}),
         (("timings",), {"fly": "long"}),
         (("row", "deflection_deg"), 10**400),
     ],

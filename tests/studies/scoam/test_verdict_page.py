@@ -271,7 +271,7 @@ def test_the_verdict_comes_first_and_the_ordinary_page_is_folded_below(
     ]
     assert [text.index(part) for part in order] == sorted(text.index(part) for part in order)
     plain = render_page(campaign(), *flown, PROVENANCE)
-    assert "<details" not in plain
+    assert 'id="everything"' not in plain
     assert "verdict-data" not in [attributes.get("id") for _, attributes in parsed(plain).tags]
 
 

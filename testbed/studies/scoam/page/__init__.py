@@ -9,7 +9,7 @@ from testbed.show import words
 from testbed.show.assets import PageHead, asset, environment, packed_json
 from testbed.show.gathered import Row
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Waterfall
-from testbed.studies.scoam.page import bars, detail, paper_names, picture_data, table
+from testbed.studies.scoam.page import bars, detail, moving, paper_names, picture_data, table
 from testbed.studies.scoam.page.quotable import paragraphs
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[st
         ("verdict-controls", "Controls", parts["controls"]),
     )
     nav = tuple((anchor, name) for anchor, name, there in sections if there)
-    return PageHead(Markup(html), asset("verdict.css", __name__), asset("verdict.js", __name__), nav)
+    return PageHead(Markup(html), asset("verdict.css", __name__), asset("verdict.js", __name__), nav, moving.scenes(rows, series))
 
 
 def _by_name(item: tuple[str, dict[str, Any]]) -> tuple[bool, str]:

@@ -4,11 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from testbed.core.catalogue import aircraft_folders
-from testbed.flight.plants.aircraft import load_aircraft
 from testbed.results.flight_row import collided, value
 from testbed.show import palette
 from testbed.show.gathered import Row
+from testbed.show.player import limits_of
 from testbed.show.words import named, number
 from testbed.studies.scoam.labels import Axis, Compass, Design, Part, Rung, Severity
 from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, ENCOUNTER, METHOD
@@ -75,7 +74,7 @@ def picture_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None
         if one is None or not curves or not curves["time_s"]:
             continue
         name = str(row["aircraft"])
-        panel = aircraft.setdefault(name, {"name": named(AIRCRAFT_NAMES, name), "limits": _limits(name), "flights": {}})
+        panel = aircraft.setdefault(name, {"name": named(AIRCRAFT_NAMES, name), "limits": limits_of(name), "flights": {}})
         panel["flights"][one.key] = {
             "collided": collided(row),
             **{curve: curves[curve] for curve in PICTURED_CURVES if curve in curves},
@@ -89,14 +88,6 @@ def picture_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None
         "rungs": PICTURED_RUNGS,
         "demand": DEMAND,
     }
-
-
-def _limits(name: str) -> dict[str, float]:
-    """What the aircraft has, under the names of the curves; nothing for an aircraft that is not installed here."""
-    if name not in aircraft_folders():
-        return {}
-    limits = load_aircraft(name).limits
-    return {"bank_deg": limits.bank_deg, "load_factor": limits.load_factor_max, "roll_rate_dps": limits.roll_rate_dps}
 
 
 def flight_list(rows: Sequence[Row]) -> list[dict[str, Any]]:
