@@ -67,7 +67,8 @@ def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, 
     if page is None:
         from testbed.show.page import render_page
 
-        page = render_page(campaign, rows, series, told, checks, made.head)
+        beside = ["results.csv", *(["checks.csv"] if checks else []), *made.files]
+        page = render_page(campaign, rows, series, told, checks, made.head, beside)
     directory.put("index.html", utf8(page))
     return Results(checks, dict(counted.outcomes), counted.first_crash)
 

@@ -183,5 +183,5 @@ const Plots = (() => {
   }
   const run = () => start().catch((problem) => { document.body.dataset.ready = "failed"; console.error(problem); });
 
-  return { $, add, axis, box, chips, clearanceRange, colour, curves, limit, plan, run, space };
+  return { $, add, axis, box, chips, clearanceRange, colour, curves, limit, plan, run, space, style, unpack };
 })();
