@@ -8,7 +8,7 @@ from markupsafe import Markup
 from testbed.show import words
 from testbed.show.assets import PageHead, asset, environment, packed_json
 from testbed.show.gathered import Row
-from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Waterfall
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, TOO_FEW, Waterfall
 from testbed.studies.scoam.page import bars, detail, paper_names, picture_data, table, top
 from testbed.studies.scoam.page.quotable import paragraphs
 
@@ -20,7 +20,8 @@ MEANING = {
     HOLDS_ONLY_IF: "shown under the condition that is named, and not otherwise",
     FAILS_KINEMATICALLY: "false already for a point that flies the path exactly; flight dynamics is not to blame",
     FAILS_WHEN_FLOWN: "true of the point, false of an aircraft that has to fly it",
-    NOT_DETERMINED: "it depends on what the paper does not print, or the flights do not decide it",
+    NOT_DETERMINED: "it depends on what the paper does not print, or was not flown",
+    TOO_FEW: "withheld: so few flights or draws do not settle it",
 }
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from testbed.results.statistics import Effect, Spread
 from testbed.show import words
 from testbed.show.words import DASH, amount, interval, percent, sentence
-from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, TOO_FEW
 from testbed.studies.scoam.labels import Axis, Design, Encounter, Method, Part, Rung
 
 METHOD_NAMES: Mapping[str, str] = words.METHOD_NAMES | {
@@ -91,6 +91,7 @@ WORD_CLASS = {
     FAILS_KINEMATICALLY: "fails-kinematically",
     FAILS_WHEN_FLOWN: "fails-flown",
     NOT_DETERMINED: "not-determined",
+    TOO_FEW: "too-few",
 }
 ENCOUNTER, METHOD = Encounter.SINGLE_106, Method.SCOAM
 """Section 5.1 in the reading that makes its obstacle a threat: what the pictures show."""

@@ -13,6 +13,7 @@ from testbed.studies.scoam.claim import (
     HOLDS,
     HOLDS_ONLY_IF,
     NOT_DETERMINED,
+    TOO_FEW,
     VERDICT_WORDS,
     Rank,
     Waterfall,
@@ -41,6 +42,7 @@ COUNTED = {
     FAILS_KINEMATICALLY: ("fails kinematically, before any flight dynamics", "fail kinematically, before any flight dynamics"),
     FAILS_WHEN_FLOWN: ("fails when flown", "fail when flown"),
     NOT_DETERMINED: ("is not determined", "are not determined"),
+    TOO_FEW: ("is withheld for want of flights", "are withheld for want of flights"),
     DEPENDS: ("depends on how the paper is read", "depend on how the paper is read"),
 }
 

@@ -15,6 +15,7 @@ from testbed.studies.scoam.claim import (
     HOLDS,
     HOLDS_ONLY_IF,
     NOT_DETERMINED,
+    TOO_FEW,
     VERDICT_WORDS,
     Claim,
     Waterfall,
@@ -34,6 +35,7 @@ SHORT_ANSWER = {
     FAILS_KINEMATICALLY: "No, not even on rails",
     FAILS_WHEN_FLOWN: "No",
     NOT_DETERMINED: "It is not determined",
+    TOO_FEW: "Too few to say",
 }
 
 
