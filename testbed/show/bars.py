@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 from testbed.airframe.chart import ticks
 from testbed.show.words import number
 
-WIDTH, NAMES, ROW, TOP, BOTTOM = 500, 186, 26, 6, 36  # px of the drawing; NAMES: the column of names on the left
+WIDTH, NAMES, ROW, TOP, BOTTOM = 520, 200, 26, 6, 36  # px of the drawing; NAMES: the column of names on the left
 RIGHT = 52
 MOST_TICKS = 80  # flights of a row that are drawn one by one
 FEWEST = 6  # flights of a row below which there is no interval to speak of
@@ -56,7 +56,7 @@ def frame(scale: Scale, rows: int, label: str, shade_below: float | None = None)
 
 def row_name(y: float, name: str) -> str:
     """What stands left of a row; what is too long for its column is cut, and said whole when pointed at."""
-    most = 27
+    most = 31
     short = name if len(name) <= most else f"{name[: most - 1].rstrip()}\N{HORIZONTAL ELLIPSIS}"
     title = f"<title>{escape(name)}</title>" if short != name else ""
     return f'<text class="name" x="{NAMES - 8}" y="{y + ROW / 2 + 4:.1f}" text-anchor="end">{title}{escape(short)}</text>'

@@ -1,7 +1,7 @@
 "use strict";
 /* Tables of thousands of rows: searched, filtered, sorted; a row is made when somebody scrolls to it. */
 (() => {
-  const STEP = 60; // rows that are made at once
+  const STEP = matchMedia("(max-width: 800px)").matches ? 12 : 60; // rows that are made at once; cards are long
   const KNOWN = /^[\u2212-]?\d/;
   const make = (tag, attributes = {}, ...inside) => {
     const made = document.createElement(tag);
@@ -104,7 +104,7 @@
       }
     }
 
-    const bar = make("div", { className: "controls explorer-bar" }), count = make("output", { className: "quiet" }), rest = make("button", { type: "button", className: "more-rows" });
+    const bar = root.querySelector(".explorer-bar"), count = make("output", { className: "quiet" }), rest = make("button", { type: "button", className: "more-rows" });
     const search = make("input", { type: "search", placeholder: `search ${data.name}`, "aria-label": `search ${data.name}` });
     search.addEventListener("input", () => { words = search.value.toLowerCase().split(/\s+/).filter(Boolean); draw(); });
     bar.append(search);
@@ -123,11 +123,9 @@
       return make("label", { title: column.title }, box, ` ${column.heading}`, column.unit ? make("span", { className: "unit" }, ` ${column.unit}`) : "");
     })));
     bar.append(columns, count);
-    root.insertBefore(bar, scroll);
     scroll.append(rest);
     rest.addEventListener("click", more);
     new IntersectionObserver((seen) => { if (seen.some((one) => one.isIntersecting) && scroll.scrollHeight > scroll.clientHeight + 1) more(); }, { root: scroll, rootMargin: "400px" }).observe(rest);
-    scroll.classList.add("tall");
     scroll.tabIndex = 0;
     heads();
     draw();
@@ -136,6 +134,9 @@
 
   /* Unpacked when it comes near, so that it does not hold up what is read first; at once for who prints or follows a link to it. */
   for (const root of document.querySelectorAll(".explorer")) {
+    root.classList.add("lively");
+    root.querySelector(".scroll").classList.add("tall");
+    root.insertBefore(make("div", { className: "controls explorer-bar" }), root.querySelector(".scroll")); // its place is kept until then
     const start = async () => { if (root.dataset.begun) return; root.dataset.begun = "1"; begin(root, read(JSON.parse(await Plots.unpack(root.querySelector(".explorer-data").id)))); };
     const near = new IntersectionObserver((seen) => { if (seen.some((one) => one.isIntersecting)) { near.disconnect(); start(); } }, { rootMargin: "1200px" });
     near.observe(root);

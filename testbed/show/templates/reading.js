@@ -1,7 +1,7 @@
 "use strict";
 /* Links of a page land on their headings, whatever is drawn in the meantime; tables that do not fit become cards. */
 (() => {
-  const { $ } = Plots;
+  const $ = (id) => document.getElementById(id);
   const HOLD_MS = 3000;
   let held = null;
 

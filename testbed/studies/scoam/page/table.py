@@ -8,7 +8,7 @@ from typing import Any
 from testbed.show import words
 from testbed.show.words import named
 from testbed.studies.scoam.claim import HOLDS_ONLY_IF, Claim
-from testbed.studies.scoam.page import bars, paper_names
+from testbed.studies.scoam.page import bars, paper_names, reference
 from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, READING_NAMES
 
 IN_WORDS = "words"
@@ -95,6 +95,7 @@ def _row(claim: Claim, name_aircraft: bool) -> dict[str, Any]:
         "air": paper_names.spread(air, unit, digits),
         "air_note": f"median {words.amount(air.median, unit, digits)}, n = {air.n}" if air.n and math.isfinite(air.median) else "",
         "word": claim.word,
+        "other": reference.other_word(claim),
         "word_class": paper_names.WORD_CLASS[claim.word],
         "condition": paper_names.typeset(claim.condition).rstrip(".") if claim.word == HOLDS_ONLY_IF else "",
         "limit": claim.deciding_limit,

@@ -21,7 +21,7 @@ from testbed.studies.scoam.claim import (
     Waterfall,
 )
 from testbed.studies.scoam.labels import MAIN, Part
-from testbed.studies.scoam.page import bars
+from testbed.studies.scoam.page import bars, reference
 from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, ENCOUNTER, METHOD, READING_NAMES, SHORT_CLAIMS, WORD_CLASS
 from testbed.studies.scoam.page.table import DEPENDS, Block, blocks
 
@@ -49,6 +49,7 @@ def hero(verdict: "Verdict") -> Hero:
         tags=_tags(made),
         picture=bars.waterfall_svg(fall) if fall else Markup(),
         caption=_caption(fall),
+        notes=tuple(n for n in (reference.note(verdict.claims),) if n),
     )
 
 
@@ -61,7 +62,7 @@ def answer(claims: "tuple[Claim, ...]", made: list[Block]) -> str:
         return (
             f"Of the paper's {words.counted(sum(words_of.values()), 'claim')} in words: {words.listed(told)}."
             if told
-            else "Nothing was judged."
+            else "No flight was flown."
         )
     said = f"{SHORT_ANSWER.get(safe.word, words.capital(safe.word))}: on rails the re-planned path {_stands(safe.kinematic)}"
     if math.isfinite(safe.flown_calm):
@@ -104,17 +105,12 @@ def rests(verdict: "Verdict", made: list[Block]) -> str:
         )
         if n > 0
     ]
-    meaning = " of turbulence, of the paper's class, of what the paper leaves open" if len(drawn) == 3 else ""
-    said = (
-        [f"Rests on {flights:,} flights: {words.listed(drawn)} ({meaning.strip()})." if meaning else f"Rests on {flights:,} flights."]
-        if flights
-        else []
-    )
+    said = [f"Rests on {flights:,} flights: {words.listed(drawn)}." if drawn else f"Rests on {flights:,} flights."] if flights else []
     numbers = Counter(block.word for block in made if not block.in_words)
     if numbers:
         told = words.listed([f"{n} {word}" for word in (*VERDICT_WORDS, DEPENDS) if (n := numbers[word])])
         said.append(f"Of the {sum(numbers.values())} printed numbers: {told}.")
-    return " ".join(said)
+    return " ".join([*said, *filter(None, (reference.same_as(verdict.claims),))])
 
 
 def _caption(fall: Waterfall | None) -> str:
