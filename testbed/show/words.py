@@ -57,6 +57,21 @@ AXIS_NAMES: Final = {
     "lead_s": "lead {} s",
     "swell_m": "margin {} m",
 }
+AXIS_HEADINGS: Final = {
+    "flown_by": "aircraft",
+    "wind_mps": "wind, m/s",
+    "wind_from": "wind from",
+    "severity": "turbulence",
+    "lead_s": "lead, s",
+    "swell_m": "margin, m",
+    "speed_mps": "speed, m/s",
+    "replan.k": "k (replan)",
+    "replan.swell_m": "margin, m",
+    "air.wind.speed_mps": "wind, m/s",
+    "air.wind.from_deg": "wind from, deg",
+    "air.turbulence.severity": "turbulence",
+    "sensor.range_m": "seen from, m",
+}
 _BARE = re.compile(r"[+-]?[\d.]+([eE][+-]?\d+)?|[+-]?inf|true|false|null|\[.*")  # says nothing without its axis
 
 
@@ -179,6 +194,8 @@ def method_with(name: str, labels: Mapping[str, str]) -> str:
 
 def axis_heading(axis: str) -> str:
     """An axis as the heading of a column: of a dotted path its last word, and in brackets what it belongs to, ``side (method)``."""
+    if axis in AXIS_HEADINGS:
+        return AXIS_HEADINGS[axis]
     section, _, name = axis.rpartition(".")
     section = section.removesuffix(".options").replace(".", " ")
     return section if section and name == "kind" else f"{name} ({section})" if section else name

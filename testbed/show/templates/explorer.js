@@ -38,10 +38,25 @@
     let order = every, found = every, shown = 0, by = null, down = false, words = [], hay = null;
 
     const haystack = () => (hay ??= every.map((row) => data.columns.filter((c) => !c.numeric).map((c) => c.text(row)).join(" ").toLowerCase()));
-    const fits = (row, but) => {
-      for (const [column, value] of chosen) if (column !== but && column.text(row) !== value) return false;
-      return words.every((word) => haystack()[row].includes(word));
-    };
+
+    /* One pass over all rows: those that are found, and how many each choice would leave, which is those that nothing else rules out. */
+    function find() {
+      const counts = new Map([...selects.keys()].map((column) => [column, new Uint32Array(column.values.length)])), choices = [...chosen], texts = words.length ? haystack() : null;
+      found = order.filter((row) => {
+        if (texts && !words.every((word) => texts[row].includes(word))) return false;
+        let against = null, several = false;
+        for (const [column, code] of choices) if (column.codes[row] !== code) { several = against !== null; against = column; if (several) break; }
+        if (several) return false;
+        if (against) counts.get(against)[against.codes[row]]++;
+        else for (const [column, count] of counts) count[column.codes[row]]++;
+        return !against;
+      });
+      for (const [column, select] of selects) for (const option of [...select.options].slice(1)) {
+        const code = Number(option.value), n = counts.get(column)[code];
+        option.textContent = `${column.values[code] || "\u2013"} (${n})`;
+        option.disabled = !n && !option.selected;
+      }
+    }
 
     function cell(column, row) {
       const text = column.text(row);
@@ -74,13 +89,12 @@
     }
 
     function draw() {
-      found = order.filter((row) => fits(row));
+      find();
       count.textContent = found.length === data.n ? `${data.n.toLocaleString("en")} ${data.name}` : `${found.length.toLocaleString("en")} of ${data.n.toLocaleString("en")} ${data.name}`;
       body.replaceChildren();
       shown = 0;
       scroll.scrollTop = 0;
       more();
-      recount();
     }
 
     function heads() {
@@ -94,25 +108,17 @@
       }));
     }
 
-    /* How many rows each choice would leave. */
     const selects = new Map();
-    function recount() {
-      for (const [column, select] of selects) {
-        const counts = new Map();
-        for (const row of every) if (fits(row, column)) { const value = column.text(row); counts.set(value, (counts.get(value) || 0) + 1); }
-        for (const option of [...select.options].slice(1)) { const n = counts.get(option.value) || 0; option.textContent = `${option.value || "\u2013"} (${n})`; option.disabled = !n && !option.selected; }
-      }
-    }
-
     const bar = root.querySelector(".explorer-bar"), count = make("output", { className: "quiet" }), rest = make("button", { type: "button", className: "more-rows" });
     const search = make("input", { type: "search", placeholder: `search ${data.name}`, "aria-label": `search ${data.name}` });
     search.addEventListener("input", () => { words = search.value.toLowerCase().split(/\s+/).filter(Boolean); draw(); });
     bar.append(search);
     for (const column of data.columns) {
       if (!column.facet || !column.values || column.values.length < 2 || column.values.length > 40) continue;
-      const select = make("select", { "aria-label": column.heading }, new Option(`any ${column.heading}`, "\u0000"));
-      [...column.values].sort((a, b) => a.localeCompare(b, "en", { numeric: true })).forEach((value) => select.append(new Option(value, value)));
-      select.addEventListener("change", () => { select.selectedIndex ? chosen.set(column, select.value) : chosen.delete(column); draw(); });
+      const select = make("select", { "aria-label": column.heading }, new Option(`any ${column.heading}`, ""));
+      const codes = column.values.map((_, code) => code).sort((a, b) => column.values[a].localeCompare(column.values[b], "en", { numeric: true }));
+      for (const code of codes) select.append(new Option(column.values[code], String(code)));
+      select.addEventListener("change", () => { select.selectedIndex ? chosen.set(column, Number(select.value)) : chosen.delete(column); draw(); });
       selects.set(column, select);
       bar.append(select);
     }

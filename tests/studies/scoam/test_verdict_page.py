@@ -104,7 +104,7 @@ def test_every_claim_with_its_numbers_is_in_the_table(verdict: SimpleNamespace) 
         assert word in row
         assert "2.7 m −2.0 m −3.8 m −6.1 to −2.4 m median −3.8 m, n = 39" in row  # noqa: RUF001
         assert f"Because of words.{k}, GTM-T2 keeps −3.8 m (eq. 34-35). share kept: 25 % (95 % interval 21 to 29 %, n = 400)" in row  # noqa: RUF001
-        assert "roll 97 % of 500" in row
+        assert "roll 97 % of 500 draws" in row
     assert "holds only if the wind is below 5 m/s" in text
     order = [
         text.index(part) for part in ("Claims in words", "text of words.0", "Numbers of Table 2", "SCOAM deflection", "Numbers of Table 4")

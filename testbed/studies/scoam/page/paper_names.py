@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from testbed.results.statistics import Effect, Spread
 from testbed.show import words
-from testbed.show.words import DASH, amount, interval, percent, sentence
+from testbed.show.words import DASH, amount, counted, interval, percent, sentence
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, TOO_FEW
 from testbed.studies.scoam.labels import Axis, Design, Encounter, Method, Part, Rung
 
@@ -143,4 +143,4 @@ def p_value(p: float) -> str:
 
 def robustness(share: float, n: int) -> str:
     """Share of the draws that give the same word."""
-    return f"{percent(share)} of {n}" if n and math.isfinite(share) else DASH
+    return f"{percent(share)} of {counted(n, 'draw')}" if n and math.isfinite(share) else DASH
