@@ -10,10 +10,12 @@ import shutil
 import sys
 from pathlib import Path
 
-LINK = re.compile(r'<a href="recordings/[^"]*">(.*?)</a>')
+LINK = re.compile(r'<a href="(?:recordings/|results\.csv)[^"]*">(.*?)</a>')
+HERE, ELSEWHERE = '<body data-files="here">', '<body data-files="elsewhere">'
 HEAD = "<main>\n"
 NOTE = (
-    '<p class="quiet">A copy of <code>{run}/index.html</code>. The recordings, <code>results.csv</code> and what'
+    '<p class="quiet">How early a threat must be answered: <a href="../lead_time/index.html">the lead-time study</a>. This is a copy of'
+    " <code>{run}/index.html</code>. The recordings, <code>results.csv</code> and what"
     " <code>testbed replay</code> needs are large and not kept beside it: <code>make paper-full</code> writes them into that folder,"
     " and there flights are flown again.</p>\n"
 )
@@ -21,10 +23,10 @@ NOTE = (
 
 def published(page: str, run: str) -> str:
     """A run's page without links into the run directory ``run``, and with a line that says so."""
-    before, head, after = page.partition(HEAD)
-    if not head:
+    before, head, after = page.replace(HERE, ELSEWHERE, 1).partition(HEAD)
+    if not head or ELSEWHERE not in before:
         raise ValueError("not the page of a run: no <main>")
-    return before + head + NOTE.format(run=run) + LINK.sub(r"\1", after)
+    return LINK.sub(r"\1", before) + head + NOTE.format(run=run) + LINK.sub(r"\1", after)
 
 
 def main() -> int:

@@ -73,7 +73,8 @@ def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, 
     if page is None:
         from testbed.show.page import render_page
 
-        page = render_page(campaign, rows, series, told, checks, made.head)
+        beside = ["results.csv", *(["checks.csv"] if checks else []), *made.files]
+        page = render_page(campaign, rows, series, told, checks, made.head, beside)
     directory.put("index.html", utf8(page))
     answer = made.answer or counted.tally.answer(checks)
     directory.put(ANSWER, utf8(_answer_text(campaign, answer, counted.outcomes, len(planned))))

@@ -3,15 +3,17 @@
 import base64
 import gzip
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 if TYPE_CHECKING:
+    from testbed.show.hero import Hero
     from testbed.show.player import Scene
 
 
@@ -24,11 +26,16 @@ class PageHead:
     script: Markup
     nav: tuple[tuple[str, str], ...]  # id of a section, its name
     scenes: "tuple[Scene, ...]" = ()  # encounters that move on top of the page; none: those of the page's own choice
+    hero: "Hero | None" = None
+    """What stands above everything, in the place of what the page says of its flights by itself."""
+    names: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """Axis to label to the name that people have for it: the ordinary parts of the page use it."""
 
 
 def environment(package: str = "testbed.show") -> Environment:
-    """Templates of a package, in its folder ``templates``: everything is escaped, a name that is missing is an error."""
-    return Environment(loader=PackageLoader(package), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    """Templates of a package, in its folder ``templates``, and ours: everything is escaped, a name that is missing is an error."""
+    loader = ChoiceLoader([PackageLoader(package), PackageLoader("testbed.show")])
+    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
 
 def asset(name: str, package: str = "testbed.show") -> Markup:

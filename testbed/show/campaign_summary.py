@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from testbed.results.checks import CheckResult
 from testbed.results.columns import BY_NAME
 from testbed.results.flight_row import collided, keeps, met_obstacle, value
 from testbed.results.statistics import share_interval
@@ -14,6 +13,11 @@ from testbed.show import words
 from testbed.show.gathered import HEADLINES, KINEMATIC, Gathered, Group, Row, flyer, method
 from testbed.show.shown_columns import SUMMARISED, text
 from testbed.show.words import number
+
+
+def with_method(row: Row) -> str:
+    """``with SCOAM``, ``without avoidance``."""
+    return "without avoidance" if row["method"] == "none" else f"with {method(row)}"
 
 
 def circumstances(row: Row, axes: Iterable[str]) -> str:
@@ -66,24 +70,10 @@ def sentences(of: Gathered, matched: Sequence[Pair], over_axes: Sequence[str] = 
     if over_axes:
         return said + list(over_axes)
     for name, by_method in of.by_flyer.items():
-        parts = [f"in {_collided(same)} {_with(same.first)}" for same in by_method.values()]
+        parts = [f"in {_collided(same)} {with_method(same.first)}" for same in by_method.values()]
         plant = next(iter(by_method.values())).first["plant"]
         said.append(f"{'The ' if plant == KINEMATIC else ''}{name} came closer than an obstacle's radius {words.listed(parts)}.")
     return said + _comparison([pair for pair in matched if pair.flown["replans"]])
-
-
-def verdict(checks: Sequence[CheckResult]) -> list[str]:
-    """What became of a check campaign, in a sentence."""
-    missed = [line for line in checks if not line.passed]
-    if not checks:
-        return []
-    if not missed:
-        return [f"Check passed: {words.counted(len(checks), 'line')}, each within its tolerance."]
-    return [f"Check missed: {len(missed)} of {words.counted(len(checks), 'line')} out of tolerance."]
-
-
-def _with(row: Row) -> str:
-    return "without avoidance" if row["method"] == "none" else f"with {method(row)}"
 
 
 def _collided(group: Group) -> str:
@@ -152,6 +142,7 @@ def cells(of: Gathered, axes: Sequence[str]) -> list[dict[str, Any]]:
         lines.append(
             {
                 "circumstances": circumstances(first, axes),
+                "labels": first["labels"],
                 "flyer": flyer(first),
                 "method": method(first),
                 "n": cell.n,

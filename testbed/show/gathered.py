@@ -10,16 +10,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from testbed.campaign.words.grid import PART
 from testbed.flight.record import Outcome
 from testbed.results.columns import BY_NAME
-from testbed.results.flight_row import collided, met_obstacle, value
+from testbed.results.flight_row import collided, keeps, met_obstacle, value
 from testbed.show import words
-from testbed.show.shown_columns import SUMMARISED
+from testbed.show.shown_columns import SHOWN_COLUMNS, SUMMARISED
 
 Row = dict[str, Any]
 
 KINEMATIC: Final = "kinematic"  # the plant that is a point on its path
-MOST_FLIGHT_ROWS, MOST_DECISION_ROWS, MOST_CELL_ROWS, MOST_FAILURES = 300, 100, 300, 50
+MOST_FLIGHT_ROWS, MOST_DECISION_ROWS, MOST_CELL_ROWS, MOST_FAILURES = 10_000, 500, 2_000, 50
 HEADLINES: Final = ("least_clearance_m", "cross_track_max_m", "max_bank_deg", "max_load_factor")
 """Columns whose worst value is told on top of the page."""
 SAME_AS_AXES: Final = ("plant", "aircraft", "method")
@@ -37,17 +38,31 @@ def method(row: Row) -> str:
 
 @dataclass
 class Group:
-    """Flights that are counted together. ``first``: the first of them."""
+    """Flights that are counted together. ``first``: the first of them; ``kept``: those that kept every radius to their end."""
 
     first: Row
     n: int = 0
     hits: int = 0
+    kept: int = 0
     outcomes: Counter[str] = field(default_factory=Counter)
 
     def count(self, row: Row) -> None:
         self.n += 1
         self.hits += collided(row)
+        self.kept += keeps(row)
         self.outcomes[str(row["outcome"])] += 1
+
+
+@dataclass
+class LedGroup(Group):
+    """The same with the finite values of the one metric that the page leads with."""
+
+    leading: "array[float]" = field(default_factory=lambda: array("d"))
+
+    def lead(self, row: Row, name: str) -> None:
+        self.count(row)
+        if math.isfinite(amount := value(row, name)):
+            self.leading.append(amount)
 
 
 @dataclass
@@ -63,6 +78,22 @@ class CellGroup(Group):
                 known.append(amount)
 
 
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """What the table of flights needs of one of them. There are ten thousand of these: metrics as an array, labels shared by a cell."""
+
+    told: tuple[Any, ...]
+    metrics: "array[float]"
+
+    def row(self) -> Row:
+        """As a row again, of what is listed."""
+        metrics = {column.name: amount for column, amount in zip(SHOWN_COLUMNS, self.metrics, strict=True)}
+        return dict(zip(LISTED, self.told, strict=True)) | metrics
+
+
+LISTED: Final = ("flight_id", "labels", "plant", "aircraft", "method", "replicate", "outcome", "geometry", "message", "recording")
+
+
 @dataclass
 class Gathered:
     """What was gathered. Rows that are kept are without their decisions, of which there can be hundreds a flight."""
@@ -74,7 +105,7 @@ class Gathered:
     """Whether any flight was not that of the point."""
     replicated: bool = False
     outcomes: Counter[str] = field(default_factory=Counter)
-    first: list[Row] = field(default_factory=list)
+    first: list[Listed] = field(default_factory=list)
     """The first flights, in plan order."""
     pictured: list[Row] = field(default_factory=list)
     """Those with curves."""
@@ -85,16 +116,21 @@ class Gathered:
     cells: dict[str, CellGroup] = field(default_factory=dict)
     """The first cells."""
     cells_in_all: int = 0
-    by_flyer: dict[str, dict[str, Group]] = field(default_factory=dict)
-    """Of flights that met an obstacle: by who flew and by method."""
+    by_flyer: dict[str, dict[str, LedGroup]] = field(default_factory=dict)
+    """Of flights that met an obstacle: by who flew and by method, with their least clearance."""
+    astray: dict[str, dict[str, LedGroup]] = field(default_factory=dict)
+    """Of flights that met none, with how far they were off their path."""
+    replicates: dict[str, int] = field(default_factory=dict)
+    """Part (empty without parts) to its replicates."""
     worst: dict[tuple[bool, str], Row] = field(default_factory=dict)
     """Whether of a flight that was not the point's, and column, to the flight with the worst value."""
-    _nearest: list[tuple[tuple[bool, float, int], Row]] = field(default_factory=list)
+    _nearest: list[tuple[tuple[bool, float, int], Listed]] = field(default_factory=list)
     _axes: dict[str, None] = field(default_factory=dict)
     _differ: dict[str, set[str]] = field(default_factory=dict)
     _said: dict[str, dict[tuple[str, str, str], str]] = field(default_factory=dict)
     _telling: set[str] = field(default_factory=set)
     _last_cell: str | None = None
+    _shared: dict[Any, Any] = field(default_factory=dict)
 
     def add(self, row: Row) -> None:
         """One more flight, in plan order. ``encounter`` and ``geometry`` are in it if it has curves."""
@@ -103,8 +139,6 @@ class Gathered:
         self.hits += collided(row)
         self.outcomes[str(row["outcome"])] += 1
         self.replicated |= bool(row["replicate"])
-        if len(self.first) < MOST_FLIGHT_ROWS:
-            self.first.append(light)
         if row.get("encounter") is not None:
             self.pictured.append(light)
         if row["outcome"] == Outcome.CRASHED and len(self.failures) < MOST_FAILURES:
@@ -112,10 +146,13 @@ class Gathered:
         self._add_decisions(row, light)
         self._add_axes(row)
         self._add_cell(row, light)
+        self._add_listed(row)
         self._add_worst(row, light)
-        if met_obstacle(row):
-            self.met += 1
-            self.by_flyer.setdefault(flyer(row), {}).setdefault(method(row), Group(light)).count(row)
+        part = str(row["labels"].get(PART, ""))
+        self.replicates[part] = max(self.replicates.get(part, 0), int(row["replicate"]) + 1)
+        self.met += met_obstacle(row)
+        groups, name = (self.by_flyer, "least_clearance_m") if met_obstacle(row) else (self.astray, "cross_track_max_m")
+        groups.setdefault(flyer(row), {}).setdefault(method(row), LedGroup(light)).lead(row, name)
 
     def _add_decisions(self, row: Row, light: Row) -> None:
         if row["method"] != "none":
@@ -143,13 +180,26 @@ class Gathered:
             self.cells_in_all += 1
         self._last_cell = name
 
-    def _add_worst(self, row: Row, light: Row) -> None:
+    def _listed(self, row: Row) -> Listed:
+        """What is the same in many rows is kept once."""
+        if len(self._shared) > MOST_FLIGHT_ROWS:
+            self._shared.clear()
+        labels = self._shared.setdefault(tuple(row["labels"].items()), row["labels"])
+        told = {**{key: row.get(key) for key in LISTED}, "labels": labels}
+        same = (self._shared.setdefault(told[key], told[key]) for key in LISTED[2:5])
+        rest = (told[key] for key in LISTED[5:])
+        return Listed((told["flight_id"], labels, *same, *rest), array("d", (value(row, column.name) for column in SHOWN_COLUMNS)))
+
+    def _add_listed(self, row: Row) -> None:
         clearance = value(row, "least_clearance_m")
         key = (not math.isnan(clearance), 0.0 if math.isnan(clearance) else -clearance, -self.n)  # the largest is the first to go
-        if len(self._nearest) < MOST_FLIGHT_ROWS:
-            heapq.heappush(self._nearest, (key, light))
+        if len(self.first) < MOST_FLIGHT_ROWS:
+            self.first.append(self._listed(row))
+            heapq.heappush(self._nearest, (key, self.first[-1]))
         elif key > self._nearest[0][0]:
-            heapq.heapreplace(self._nearest, (key, light))
+            heapq.heapreplace(self._nearest, (key, self._listed(row)))
+
+    def _add_worst(self, row: Row, light: Row) -> None:
         flown = row["plant"] != KINEMATIC
         self.flown |= flown
         for name in HEADLINES:
@@ -161,9 +211,14 @@ class Gathered:
                     self.worst[flown, name] = light
 
     @property
-    def nearest(self) -> list[Row]:
-        """Those with the least clearance, least first; without one they come last."""
-        return [row for _, row in sorted(self._nearest, key=lambda item: item[0], reverse=True)]
+    def listed(self) -> list[Listed]:
+        """The flights of the table: all of them in plan order, or of too many those with the least clearance, least first. Recorded ones
+        come before the rest.
+        """
+        every = (
+            [one for _, one in sorted(self._nearest, key=lambda item: item[0], reverse=True)] if self.n > MOST_FLIGHT_ROWS else self.first
+        )
+        return sorted(every, key=lambda one: not one.told[-1])
 
     @property
     def listed_axes(self) -> list[str]:

@@ -17,6 +17,9 @@ MINUS: Final = "\N{MINUS SIGN}"
 UNIT_DIGITS: Final = {"m": 1, "deg": 1, "s": 2, "deg/s": 0, "%": 0, "ms": 1, "g": 1}
 """Decimals of a quantity by its unit; 2 of any other."""
 
+SHOWN_UNITS: Final = {"times the limit": "\N{MULTIPLICATION SIGN} limit"}
+"""Units that are written otherwise beside a number."""
+
 OUTCOME_NAMES: Final = {
     Outcome.REACHED: ("reached the goal", ""),
     Outcome.COLLIDED: ("collided", "came closer than the obstacle's radius"),
@@ -29,6 +32,8 @@ OUTCOME_NAMES: Final = {
     Outcome.CRASHED: ("failed to run", ""),
 }
 """What a flight did, in the order of telling, and what that means where it is not plain."""
+
+BAD_OUTCOMES: Final = (Outcome.COLLIDED, Outcome.HIT_GROUND, Outcome.DIVERGED, Outcome.CRASHED)
 
 METHOD_NAMES: Final = {
     "none": "no avoidance",
@@ -53,6 +58,23 @@ AXIS_NAMES: Final = {
     "air.wind.from_deg": "wind from {} deg",
     "air.turbulence.severity": "{} turbulence",
     "sensor.range_m": "seen from {} m on",
+    "lead_s": "lead {} s",
+    "swell_m": "margin {} m",
+}
+AXIS_HEADINGS: Final = {
+    "flown_by": "aircraft",
+    "wind_mps": "wind, m/s",
+    "wind_from": "wind from",
+    "severity": "turbulence",
+    "lead_s": "lead, s",
+    "swell_m": "margin, m",
+    "speed_mps": "speed, m/s",
+    "replan.k": "k (replan)",
+    "replan.swell_m": "margin, m",
+    "air.wind.speed_mps": "wind, m/s",
+    "air.wind.from_deg": "wind from, deg",
+    "air.turbulence.severity": "turbulence",
+    "sensor.range_m": "seen from, m",
 }
 _BARE = re.compile(r"[+-]?[\d.]+([eE][+-]?\d+)?|[+-]?inf|true|false|null|\[.*")  # says nothing without its axis
 
@@ -82,14 +104,14 @@ def amount(value: float, unit: str, digits: int | None = None) -> str:
     """A quantity with the decimals of its unit; a ``share`` as per cent."""
     if unit == "share":
         return percent(value)
-    return number(value, UNIT_DIGITS.get(unit, 2) if digits is None else digits, unit)
+    return number(value, UNIT_DIGITS.get(unit, 2) if digits is None else digits, SHOWN_UNITS.get(unit, unit))
 
 
 def interval(low: float, high: float, unit: str, digits: int | None = None) -> str:
     """``2.1 to 3.4 m``, ``21 to 29 %``; one of them where both read the same."""
     if not (math.isfinite(low) and math.isfinite(high)):
         return DASH
-    shown = "%" if unit == "share" else unit
+    shown = "%" if unit == "share" else SHOWN_UNITS.get(unit, unit)
     first, last = amount(low, unit, digits), amount(high, unit, digits)
     return f"{first.removesuffix(shown).rstrip()} to {last}"
 
@@ -176,6 +198,8 @@ def method_with(name: str, labels: Mapping[str, str]) -> str:
 
 def axis_heading(axis: str) -> str:
     """An axis as the heading of a column: of a dotted path its last word, and in brackets what it belongs to, ``side (method)``."""
+    if axis in AXIS_HEADINGS:
+        return AXIS_HEADINGS[axis]
     section, _, name = axis.rpartition(".")
     section = section.removesuffix(".options").replace(".", " ")
     return section if section and name == "kind" else f"{name} ({section})" if section else name
@@ -191,10 +215,20 @@ def outcome_told(name: str) -> str:
     return ": ".join(filter(None, OUTCOME_NAMES[Outcome(name)]))
 
 
+def in_order(count: Mapping[str, int]) -> list[str]:
+    """Outcomes in the order of telling; those that are a study's own come last."""
+    known = [one.value for one in OUTCOME_NAMES if one in count]
+    return [*known, *sorted(set(count) - set(known))]
+
+
 def outcomes(count: Mapping[str, int]) -> str:
     """``7 reached the goal, 5 collided``."""
-    known = [one.value for one in OUTCOME_NAMES if one in count]
-    return ", ".join(f"{count[name]} {outcome(name)}" for name in [*known, *sorted(set(count) - set(known))])
+    return ", ".join(f"{count[name]} {outcome(name)}" for name in in_order(count))
+
+
+def tone(name: str) -> str:
+    """How an outcome is coloured: ``good``, ``bad`` or ``warn``."""
+    return "good" if name == Outcome.REACHED else "bad" if name in BAD_OUTCOMES else "warn"
 
 
 def clearance(value_m: float, of: str = "") -> str:

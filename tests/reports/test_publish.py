@@ -11,7 +11,8 @@ from reports.publish import published
 
 REPORTS = Path(__file__).parents[2] / "reports"
 PAGE = """\
-<body>
+<body data-files="here">
+<a href="results.csv">results.csv</a>, <a href="verdict.csv">verdict.csv</a>
 <main>
 <a href="#verdict">down</a>
 <td><a href="recordings/ab.rrd">recordings/ab.rrd</a></td><td><a href="recordings/cd.rrd"><code>cd</code></a></td>
@@ -26,8 +27,9 @@ def links(page: str) -> set[str]:
 
 def test_a_link_becomes_its_text_and_the_page_says_where_its_file_is() -> None:
     page = published(PAGE, "reports/runs/one")
-    assert links(PAGE) == {"recordings/ab.rrd", "recordings/cd.rrd"}
-    assert links(page) == set()
+    assert links(PAGE) == {"results.csv", "verdict.csv", "recordings/ab.rrd", "recordings/cd.rrd"}
+    assert links(page) == {"verdict.csv", "../lead_time/index.html"}
+    assert '<body data-files="elsewhere">' in page  # so that no script of the page makes links either
     assert "<td>recordings/ab.rrd</td><td><code>cd</code></td>" in page
     assert '<a href="#verdict">down</a>' in page
     assert page.index("<code>reports/runs/one/index.html</code>") < page.index("down")

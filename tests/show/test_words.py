@@ -94,7 +94,7 @@ def test_who_flew_and_under_which_circumstances() -> None:
         ("method.kind", "method"),
         ("method.options.side", "side (method)"),
         ("planner.options.aside_deg", "aside_deg (planner)"),
-        ("air.wind.speed_mps", "speed_mps (air wind)"),
+        ("air.wind.speed_mps", "wind, m/s"),
     ],
 )
 def test_an_axis_heads_its_column_in_words(axis: str, heading: str) -> None:

@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 from .flights import DRAWN, DROAM, SINGLE, Figure, Flight, Flights, label, number, route_length
-from .intervals import LEAST_PAIRS, median_bounds, share_bounds
-from .words import ENOUGH, FLOWN, HOLDS, ON_RAILS, ONLY_IF, OPEN, Judged, settled
+from .intervals import LEAST_PAIRS, median_bounds, settled_at
+from .words import ENOUGH, FEW, FLOWN, HOLDS, ON_RAILS, ONLY_IF, OPEN, Judged, settled
 
 COMPARED: dict[str, tuple[Figure, Figure, float]] = {  # figure on rails, figure flown, margin
     "words.deflection_least": (lambda row: number(row, "deflection_deg"), lambda row: number(row, "flown_deflection_deg"), 0.05),
@@ -27,7 +27,7 @@ def gains(flights: Flights, rivals: Sequence[str], figure: Figure, **where: str 
 
 
 def stand(differences: Sequence[float], margin: float) -> str:
-    """Worse, open, better or typical."""
+    """Worse, open, better, typical, or one of the last two."""
     _, low, high = median_bounds(differences)
     if len(differences) < LEAST_PAIRS:
         return "open"
@@ -36,14 +36,16 @@ def stand(differences: Sequence[float], margin: float) -> str:
     if low < -margin:
         return "open"
     kept = sum(d >= -margin for d in differences)
-    return "better" if share_bounds(kept, len(differences))[0] >= ENOUGH else "typical"
+    return {True: "better", False: "typical", None: "unsettled"}[settled_at(kept, len(differences), ENOUGH)]
 
 
 def judge_comparison(flights: Flights, key: str) -> Judged:
     """Against the paper's rivals, and then against the wider field."""
     on_rails, flown, margin = COMPARED[key]
     narrow, wide = (_field_word(flights, key, rivals) for rivals in (DROAM, (*DROAM, "least_deflection")))
-    word = ONLY_IF if narrow in (HOLDS, ONLY_IF) and wide != narrow else narrow
+    word = ONLY_IF if narrow in (HOLDS, ONLY_IF) and wide not in (narrow, FEW) else narrow
+    if narrow == HOLDS and wide == FEW:
+        word = FEW
     here = {"part": "calm", "encounter": "single_106", "flown_by": "gtm_t2"}
     calm = {
         column: next(iter(gains(flights, DROAM, figure, rung=rung, **here)), math.nan)
@@ -80,7 +82,11 @@ def _field_word(flights: Flights, key: str, rivals: Sequence[str]) -> str:
         refuted = len(two) == 2 and max(two) < -margin and drawn_pairs(flights, on_rails, flown)
         return ON_RAILS if refuted else OPEN
     first, second = stand(rails, margin), stand(air, margin)
-    for found, failure in ((first, ON_RAILS), (second, FLOWN)):
-        if found in ("worse", "open"):
-            return failure if found == "worse" else OPEN
-    return ONLY_IF if "typical" in (first, second) else HOLDS
+    for pairs, found, failure in ((rails, first, ON_RAILS), (air, second, FLOWN)):
+        if found == "worse":
+            return failure
+        if found == "open":
+            return FEW if pairs else OPEN
+    if "typical" in (first, second):
+        return ONLY_IF
+    return FEW if "unsettled" in (first, second) else HOLDS

@@ -15,6 +15,14 @@ def share_bounds(count: int, n: int) -> tuple[float, float]:
     return low, float(special.betaincinv(count + 1, n - count, 0.975)) if count < n else 1.0
 
 
+def settled_at(count: int, n: int, least: float) -> bool | None:
+    """Is the share so large (True), smaller (False), or is its interval on both sides (None)?"""
+    low, high = share_bounds(count, n)
+    if low < least <= high:
+        return None
+    return low >= least
+
+
 def median_bounds(values: Sequence[float]) -> tuple[float, float, float]:
     """Median, and its distribution-free 95 % interval; NaN below six values."""
     ordered = np.sort(np.array(values, dtype=float))

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from ..run import figure_of, read_csv
 from .flights import SIDES, Draws, Figure, Flights, label, number, replanned, route_length
+from .intervals import settled_at
 from .rungs import in_air, on_rungs
 from .sources import AUDIT
-from .words import ENOUGH, FLOWN, HOLDS, KINDEST, ON_RAILS, ONLY_IF, OPEN, Judged, agreeing, draw_words
+from .words import ENOUGH, FEW, FLOWN, HOLDS, KINDEST, ON_RAILS, ONLY_IF, OPEN, Judged, agreeing, draw_words
 
 READINGS = {  # table -> encounter -> column of the audit
     "table2": {"single_as_printed": "as_printed", "single_106": "azimuth_106", "single_106_10": "direction_106_10"},
@@ -73,7 +74,8 @@ def judge_reading(flights: Flights, one: Print) -> Judged:
     draws = flights.draws(one.encounter, one.method) if drawn else {}
     said = draw_words(draws, lambda flight: one.meets(one.figure(flight)), lambda flight: one.meets(one.figure(flight)))
     word = _number_word(one, calm, draws, said, row is not rails[0])
-    share, n = agreeing(HOLDS if word == ONLY_IF else word, said)  # a number that is met
+    meant = {ONLY_IF: HOLDS, FEW: ON_RAILS}.get(word, word)  # a number that is met; one that is missed by draws that are too few
+    share, n = agreeing(meant, said)
     return Judged(word, {**columns, "robustness_share": share, "robustness_n": n})
 
 
@@ -83,7 +85,9 @@ def _number_word(one: Print, calm: Mapping[str, float], draws: Draws, said: Mapp
         range_of = [value for value in on_rails if not math.isnan(value)]
         reached = bool(range_of) and min(range_of) - one.half_unit <= one.value <= max(range_of) + one.half_unit
         unprinted = not range_of and PH_BOUNDARIES & one.assumes
-        return OPEN if DROAM_OPEN & one.assumes or reached or unprinted else ON_RAILS
+        if DROAM_OPEN & one.assumes or reached or unprinted:
+            return OPEN
+        return FEW if range_of and settled_at(0, len(range_of), 1.0 - ENOUGH) is None else ON_RAILS
     if math.isnan(calm["flown_calm"]):
         return OPEN
     if not one.meets(calm["flown_calm"]) and not calm["flown_air_p05"] <= one.value <= calm["flown_air_p95"]:

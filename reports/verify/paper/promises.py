@@ -6,7 +6,7 @@ from .flights import MULTI, SINGLE, Flight, Flights, Test, cell_of, keeps_radius
 from .intervals import share_bounds
 from .rungs import on_rungs
 from .sources import limits_of
-from .words import ENOUGH, FLOWN, HOLDS, ON_RAILS, ONLY_IF, OPEN, Judged, draw_words, settled
+from .words import ENOUGH, FEW, FLOWN, HOLDS, ON_RAILS, ONLY_IF, OPEN, Judged, draw_words, settled
 
 
 def lift_within(row: Flight) -> bool:
@@ -64,4 +64,4 @@ def promise_word(rails: Sequence[bool], still: Sequence[bool], air: Sequence[boo
     together = [*still, *air]
     if share_bounds(sum(together), len(together))[0] >= ENOUGH:
         return HOLDS
-    return OPEN if all(air) else ONLY_IF
+    return FEW if all(air) else ONLY_IF

@@ -1,13 +1,15 @@
-"""The five words, and what draws of what the paper leaves open do to them."""
+"""The five words, the one that withholds them, and what draws of what the paper leaves open do to them."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from .flights import Draws, Test
+from .intervals import settled_at
 
 HOLDS, ONLY_IF, ON_RAILS, FLOWN, OPEN = "holds", "holds only if", "fails kinematically", "fails when flown", "not determined"
-KINDEST = (HOLDS, ONLY_IF, FLOWN, OPEN, ON_RAILS)  # of the readings of a number
+FEW = "too few to say"
+KINDEST = (HOLDS, ONLY_IF, FLOWN, OPEN, FEW, ON_RAILS)  # of the readings of a number
 ENOUGH = 0.95  # a share that stands for all
 
 
@@ -36,8 +38,9 @@ def settled(word: str, said: Mapping[int, str]) -> Judged:
     """A word after the rules on robustness."""
     share, n = agreeing(word, said)
     after = word
-    if word == HOLDS:
-        after = OPEN if not n else ONLY_IF if share < ENOUGH else HOLDS
-    elif word in (ON_RAILS, FLOWN) and n and share < 0.5:
+    if word == HOLDS and not n:
         after = OPEN
+    elif word in (HOLDS, ON_RAILS, FLOWN) and n:
+        shown = settled_at(round(share * n), n, ENOUGH if word == HOLDS else 0.5)
+        after = {None: FEW, True: word, False: ONLY_IF if word == HOLDS else OPEN}[shown]
     return Judged(after, {"robustness_share": share, "robustness_n": n})

@@ -16,9 +16,23 @@ from testbed.studies.lead_time.line import Line, Searches
 from testbed.studies.lead_time.sentences import answer, rung, sentences
 from testbed.studies.lead_time.svg_pictures import Curve, histogram, staircase
 from testbed.studies.lead_time.svg_pictures import shares as share_picture
+from testbed.studies.lead_time.top import hero
 
 PICTURED_S = 0.05  # spacing of a logistic curve
 Groups = dict[Who, list[Line]]
+SECTIONS = (
+    ("leads", "Leads", "table"),
+    ("distributions", "Distributions", "pictures"),
+    ("waste", "Waste", "wastes"),
+    ("margin", "Margin", "margins"),
+    ("crossing", "Crossing angle", "crossings"),
+    ("insertion", "Insertion point", "insertions"),
+    ("limits", "Limits", "limits"),
+    ("wind", "Wind", "winds"),
+    ("turbulence", "Turbulence", "turbulence"),
+)
+"""Of the page: where it is, its name, and what it has to have."""
+WITH_ROWS = ("margins", "crossings")
 CROSSINGS_DEG = (0.0, 45.0, 90.0, 135.0, 180.0)
 
 
@@ -30,28 +44,38 @@ def page_text(study: Searches) -> str:
     plain = {key: found for key, found in calm.items() if not key.rung.startswith("point_")}
     bumpy = {key: found for key, found in by_who.items() if key.turbulence != "none"}
     turbulent = {key: shares(found, study.seed, _fine(found)) for key, found in bumpy.items()}
+    told: dict[str, Any] = {
+        "table": [_row(key, summary(found)) for key, found in plain.items()],
+        "pictures": _pictures(plain),
+        "wastes": _wastes(plain),
+        "margins": _margins(plain),
+        "crossings": _crossings(plain),
+        "insertions": [_priced(cost, f"{_flyer(key)}, {key.method}, margin {key.swell_m:g} m") for key, cost in insertion(plain)],
+        "limits": [_priced(cost, cost.what) for cost in limits(calm)],
+        "winds": [_priced(cost, f"from {key.wind_from_deg:g} deg") for key, cost in winds(by_who)],
+        "turbulence": [_turbulent(key, found, by_who[key]) for key, found in turbulent.items()],
+    }
+    sections = ((anchor, name) for anchor, name, part in SECTIONS if (told[part]["rows"] if part in WITH_ROWS else told[part]))
     return (
         environment(__package__)
         .get_template("lead_time.html.j2")
         .render(
             title=study.question,
+            question=study.question,
+            kicker="lead time",
+            hero=hero(plain, lines),
+            files=["lead_time.csv"],
             sentences=sentences(by_who, calm, plain, turbulent),
             cards=_cards(plain),
             parts=list(Counter(line.study for line in lines).items()),
             longest=f"{max((line.leads_s[-1] for line in lines), default=0.0):g}",
             beaten=_beaten(lines),
             tolerance=f"{min((line.tolerance_s for line in lines), default=0.0):g}",
-            table=[_row(key, summary(found)) for key, found in plain.items()],
-            pictures=_pictures(plain),
-            wastes=_wastes(plain),
-            margins=_margins(plain),
-            crossings=_crossings(plain),
-            insertions=[_priced(cost, f"{_flyer(key)}, {key.method}, margin {key.swell_m:g} m") for key, cost in insertion(plain)],
-            limits=[_priced(cost, cost.what) for cost in limits(calm)],
-            winds=[_priced(cost, f"from {key.wind_from_deg:g} deg") for key, cost in winds(by_who)],
-            turbulence=[_turbulent(key, found, by_who[key]) for key, found in turbulent.items()],
+            links=[*sections, ("words", "Words"), ("definitions", "Definitions"), ("provenance", "Origin")],
             provenance=_provenance(study),
             css=asset("page.css") + asset("lead_time.css", __package__),
+            script=asset("reading.js"),
+            **told,
         )
         + "\n"
     )

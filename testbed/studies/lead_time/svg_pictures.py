@@ -33,7 +33,14 @@ def staircase(values: Sequence[float], longest: float) -> tuple[list[float], lis
     return [*x, longest], [*y, len(inside) / n if n else 0.0]
 
 
-def shares(curves: Sequence[Curve], longest: float, title: str, x_label: str) -> Markup:
+class Mark(NamedTuple):
+    """A point of a picture that is named: where a curve crosses a half."""
+
+    x: float
+    colour: int
+
+
+def shares(curves: Sequence[Curve], longest: float, title: str, x_label: str, medians: Sequence[Mark] = ()) -> Markup:
     """Shares from 0 to 100 % over a time from 0 to ``longest`` seconds."""
     parts = [_frame(title, longest, x_label)]
     for percent in (0, 25, 50, 75, 100):
@@ -44,6 +51,7 @@ def shares(curves: Sequence[Curve], longest: float, title: str, x_label: str) ->
         points = " ".join(f"{_x(x, longest):.1f},{_y(y):.1f}" for x, y in zip(curve.x, curve.y, strict=True))
         dash = " dashed" if curve.dashed else ""
         parts.append(f'<polyline class="line c{curve.colour}{dash}" points="{points}"><title>{escape(curve.name)}</title></polyline>')
+    parts += [_median(mark, k, longest) for k, mark in enumerate(sorted(medians))]
     return Markup("".join([*parts, "</svg>"]))
 
 
@@ -62,6 +70,14 @@ def histogram(values: Sequence[float], longest: float, title: str, x_label: str)
     if beyond := len(values) - len(inside):
         parts.append(f'<text x="{WIDTH}" y="{TOP + 12}" text-anchor="end">{beyond} of {len(values)} beyond or never</text>')
     return Markup("".join([*parts, "</svg>"]))
+
+
+def _median(mark: Mark, place: int, longest: float) -> str:
+    """A dot at 50 %, a line down to the axis and its number, each a line lower than the one before it."""
+    x, y, foot = _x(mark.x, longest), _y(0.5), _y(0.0)
+    text = f'<text class="median" x="{x + 5:.1f}" y="{y + 16 + 13 * place:.1f}">{mark.x:.2f} s</text>'
+    line = f'<line class="line c{mark.colour} drop" x1="{x:.1f}" y1="{y:.1f}" x2="{x:.1f}" y2="{foot:.1f}"/>'
+    return f'{line}<circle class="dot c{mark.colour}" cx="{x:.1f}" cy="{y:.1f}" r="4"/>{text}'
 
 
 def _frame(title: str, longest: float, x_label: str) -> str:

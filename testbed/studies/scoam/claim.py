@@ -13,9 +13,11 @@ HOLDS_ONLY_IF: Final = "holds only if"
 FAILS_KINEMATICALLY: Final = "fails kinematically"
 FAILS_WHEN_FLOWN: Final = "fails when flown"
 NOT_DETERMINED: Final = "not determined"
-VERDICT_WORDS: Final = (HOLDS, HOLDS_ONLY_IF, FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, NOT_DETERMINED)
+TOO_FEW: Final = "too few to say"
+"""In the place of a word that so few flights or draws do not settle."""
+VERDICT_WORDS: Final = (HOLDS, HOLDS_ONLY_IF, FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, NOT_DETERMINED, TOO_FEW)
 
-Word = Literal["holds", "holds only if", "fails kinematically", "fails when flown", "not determined"]
+Word = Literal["holds", "holds only if", "fails kinematically", "fails when flown", "not determined", "too few to say"]
 
 
 @dataclass(frozen=True)

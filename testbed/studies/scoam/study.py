@@ -22,9 +22,12 @@ class Scoam(Study):
 
     def write(self, run: Run) -> Written:
         from testbed.studies.scoam.answer import answer
+        from testbed.studies.scoam.audit.audit import audit
+        from testbed.studies.scoam.audit.report import page_text
         from testbed.studies.scoam.page import render
         from testbed.studies.scoam.pose import event_reach
         from testbed.studies.scoam.verdict import csv_bytes, judge
 
         found = judge(run.rows, event_reach)
-        return Written({"verdict.csv": csv_bytes(found)}, head=render(found, run.rows, run.series), answer=answer(found))
+        files = {"verdict.csv": csv_bytes(found), "audit.html": page_text(audit()).encode()}
+        return Written(files, head=render(found, run.rows, run.series), answer=answer(found))

@@ -24,7 +24,7 @@ def test_its_statistics_are_those_of_the_textbook() -> None:
         ([True, False], [True], [True] * 99, "holds only if"),
         ([True, True], [True, True], [], "holds only if"),
         ([True, True], [True, True], [True] * 98, "holds"),
-        ([True, True], [True, True], [True] * 9, "not determined"),
+        ([True, True], [True, True], [True] * 9, "too few to say"),
         ([True, True], [True, True], [True] * 9 + [False], "holds only if"),
     ],
 )
@@ -36,9 +36,11 @@ def test_the_word_of_a_promise_follows_the_page(rails, still, air, word) -> None
     ("word", "draws", "after"),
     [
         ("holds", {}, "not determined"),
-        ("holds", dict.fromkeys(range(21), "holds"), "holds"),
+        ("holds", dict.fromkeys(range(73), "holds"), "holds"),
+        ("holds", dict.fromkeys(range(72), "holds"), "too few to say"),  # 0.025 ** (1 / 71) = 0.9494
         ("holds", {n: "holds" if n < 10 else "fails when flown" for n in range(21)}, "holds only if"),
-        ("fails when flown", {n: "holds" if n < 15 else "fails when flown" for n in range(21)}, "not determined"),
+        ("fails when flown", {n: "holds" if n < 16 else "fails when flown" for n in range(21)}, "not determined"),
+        ("fails when flown", {n: "holds" if n < 15 else "fails when flown" for n in range(21)}, "too few to say"),  # at most 49.1, 54.3 %
         ("fails kinematically", {}, "fails kinematically"),
     ],
 )

@@ -8,8 +8,8 @@ from markupsafe import Markup
 from testbed.show import words
 from testbed.show.assets import PageHead, asset, environment, packed_json
 from testbed.show.gathered import Row
-from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Waterfall
-from testbed.studies.scoam.page import bars, detail, moving, paper_names, picture_data, table
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, TOO_FEW, Waterfall
+from testbed.studies.scoam.page import bars, detail, moving, paper_names, picture_data, table, top
 from testbed.studies.scoam.page.quotable import paragraphs
 
 if TYPE_CHECKING:
@@ -20,7 +20,8 @@ MEANING = {
     HOLDS_ONLY_IF: "shown under the condition that is named, and not otherwise",
     FAILS_KINEMATICALLY: "false already for a point that flies the path exactly; flight dynamics is not to blame",
     FAILS_WHEN_FLOWN: "true of the point, false of an aircraft that has to fly it",
-    NOT_DETERMINED: "it depends on what the paper does not print, or the flights do not decide it",
+    NOT_DETERMINED: "it depends on what the paper does not print, or was not flown",
+    TOO_FEW: "withheld: so few flights or draws do not settle it",
 }
 
 
@@ -44,14 +45,22 @@ def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[st
     html = environment(__name__).get_template("verdict.html.j2").render(**parts, data=packed_json(data) if data["aircraft"] else "")
     sections = (
         ("verdict", "Verdict", parts["groups"]),
-        ("verdict-words", "In words", parts["paragraphs"]),
-        ("verdict-pictures", "Kinematic against flown", parts["panels"] or parts["falls"]),
+        ("verdict-words", "Summary", parts["paragraphs"]),
+        ("verdict-pictures", "Steps", parts["panels"] or parts["falls"]),
         ("verdict-methods", "Methods", parts["ranks"]),
         ("verdict-air", "Wind", parts["air"]),
         ("verdict-controls", "Controls", parts["controls"]),
     )
     nav = tuple((anchor, name) for anchor, name, there in sections if there)
-    return PageHead(Markup(html), asset("verdict.css", __name__), asset("verdict.js", __name__), nav, moving.scenes(rows, series))
+    return PageHead(
+        Markup(html),
+        asset("verdict.css", __name__),
+        asset("verdict.js", __name__),
+        nav,
+        moving.scenes(rows, series),
+        hero=top.hero(verdict),
+        names=paper_names.LABEL_NAMES,
+    )
 
 
 def _by_name(item: tuple[str, dict[str, Any]]) -> tuple[bool, str]:

@@ -12,7 +12,6 @@ from testbed.studies.scoam.claim import Control, Rank, Waterfall
 from testbed.studies.scoam.labels import Design, Method, Part, Rung
 from testbed.studies.scoam.page import paper_names
 from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, LIMIT_NAMES, METHOD_NAMES, READING_NAMES, RUNG_NAMES, RUNG_NAMES_IN_AIR
-from testbed.studies.scoam.page.quotable import p_value
 
 if TYPE_CHECKING:
     from testbed.studies.scoam.verdict.judged import AirCell, Case
@@ -79,7 +78,7 @@ def _rank(rank: Rank) -> dict[str, Any]:
         (DASH, "", math.nan)
         if own
         else (words.amount(versus.value, versus.unit), words.interval(versus.low, versus.high, versus.unit), versus.value),
-        (DASH, "", math.nan) if own else (p_value(rank.mcnemar_p), "", rank.mcnemar_p),
+        (DASH, "", math.nan) if own else (paper_names.p_value(rank.mcnemar_p), "", rank.mcnemar_p),
     ]
     return {
         "method": named(METHOD_NAMES, rank.method),

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from testbed.results.statistics import Effect, Spread
 from testbed.show import words
-from testbed.show.words import DASH, amount, interval, percent, sentence
-from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED
-from testbed.studies.scoam.labels import Encounter, Method, Part, Rung
+from testbed.show.words import DASH, amount, counted, interval, percent, sentence
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, TOO_FEW
+from testbed.studies.scoam.labels import Axis, Design, Encounter, Method, Part, Rung
 
 METHOD_NAMES: Mapping[str, str] = words.METHOD_NAMES | {
     Method.DROAM_HP_LEFT: "DROAM/HP, left",
@@ -56,6 +56,34 @@ STEP_NAMES: Mapping[str, str] = {
 """What each step of a waterfall adds."""
 RUNG_NAMES_IN_AIR: Mapping[str, str] = {Rung.KINEMATIC: "kinematic", Rung.JSBSIM: "flown", Rung.DIRECT: "flown, no insertion point"}
 AIRCRAFT_NAMES: Mapping[str, str] = {"gtm_t2": "GTM-T2", "c172p": "Cessna 172P", "t37": "T-37"}
+PART_NAMES: Mapping[str, str] = {
+    Part.CALM: "calm air",
+    Part.WIND: "steady wind",
+    Part.TURBULENCE: "turbulence",
+    Part.POPULATION: "population",
+    Part.ROBUSTNESS_SINGLE: "draws, section 5.1",
+    Part.ROBUSTNESS_MULTI: "draws, section 5.2",
+    Part.CONTROLS: "controls",
+    Part.REMEDY: "remedy",
+}
+LABEL_NAMES: Mapping[str, Mapping[str, str]] = {
+    Axis.PART: PART_NAMES,
+    Axis.ENCOUNTER: {**READING_NAMES, Encounter.CLASS: "drawn of the paper's class"},
+    Axis.RUNG: {**RUNG_NAMES, Rung.JSBSIM: "flown"},
+    Axis.DESIGN: {Design.ANCHORED: "encounter kept in the wind", Design.GROUND_FIXED: "obstacle as printed"},
+}
+"""Names for the ordinary parts of the page."""
+SHORT_CLAIMS: Mapping[str, str] = {
+    "words.single.safe": "safe",
+    "words.single.flyable": "flyable",
+    "words.multi.safe": "several threats avoided",
+    "words.deflection_least": "least deflection",
+    "words.path_shortest": "shortest path",
+    "words.time_least": "least time",
+    "words.online": "re-planned online",
+    "words.superior": "superior to DROAM",
+    "words.overload": "overload easily met",
+}
 LIMIT_NAMES = {"roll": "roll", "load_factor": "load factor", "load": "load factor", "speed": "speed"}
 WORD_CLASS = {
     HOLDS: "holds",
@@ -63,6 +91,7 @@ WORD_CLASS = {
     FAILS_KINEMATICALLY: "fails-kinematically",
     FAILS_WHEN_FLOWN: "fails-flown",
     NOT_DETERMINED: "not-determined",
+    TOO_FEW: "too-few",
 }
 ENCOUNTER, METHOD = Encounter.SINGLE_106, Method.SCOAM
 """Section 5.1 in the reading that makes its obstacle a threat: what the pictures show."""
@@ -78,12 +107,23 @@ def typeset(text: str) -> str:
 
 def decimals(printed: str) -> int:
     """Decimals of a number as the paper prints it; 0 for words."""
-    return len(printed.partition(".")[2]) if printed.replace(".", "", 1).lstrip("-").isdigit() else 0
+    return len(printed.partition(".")[2]) if math.isfinite(number_of(printed)) else 0
+
+
+def number_of(printed: str) -> float:
+    """The number that the paper prints; NaN for words."""
+    return float(printed) if printed.replace(".", "", 1).lstrip("-").isdigit() else math.nan
 
 
 def spread(told: Spread, unit: str, digits: int | None = None) -> str:
     """5th to 95th percentile."""
     return interval(told.p05, told.p95, unit, digits) if told.n else DASH
+
+
+def signed(metres: float) -> str:
+    """A change in metres, always with its sign."""
+    text = amount(metres, "m")
+    return f"+{text}" if math.isfinite(metres) and not text.startswith("\N{MINUS SIGN}") else text
 
 
 def effect(told: Effect) -> str:
@@ -96,6 +136,11 @@ def effect(told: Effect) -> str:
     return f"{told.what}: {amount(told.value, told.unit)} ({', '.join([*known, f'n = {told.n}'])})"
 
 
+def p_value(p: float) -> str:
+    """``p = 0.03``, ``p < 0.001``."""
+    return DASH if not math.isfinite(p) else "p < 0.001" if p < 0.001 else f"p = {p:.2g}"
+
+
 def robustness(share: float, n: int) -> str:
     """Share of the draws that give the same word."""
-    return f"{percent(share)} of {n}" if n and math.isfinite(share) else DASH
+    return f"{percent(share)} of {counted(n, 'draw')}" if n and math.isfinite(share) else DASH

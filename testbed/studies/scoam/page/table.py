@@ -8,12 +8,12 @@ from typing import Any
 from testbed.show import words
 from testbed.show.words import named
 from testbed.studies.scoam.claim import HOLDS_ONLY_IF, Claim
-from testbed.studies.scoam.page import paper_names
+from testbed.studies.scoam.page import bars, paper_names, reference
 from testbed.studies.scoam.page.paper_names import AIRCRAFT_NAMES, READING_NAMES
 
 IN_WORDS = "words"
 DEPENDS = "depends on the reading"
-SHORT = 5  # letters of a unit that fits beside every number
+SHORT = 7  # letters of a unit that fits beside every number
 
 
 @dataclass(frozen=True)
@@ -67,12 +67,15 @@ def _block(block: Block) -> dict[str, Any]:
     several_aircraft = len({claim.aircraft for claim in (*block.told, *block.readings)}) > 1
     said = {(claim.reading, claim.word) for claim in block.told}
     others = [claim for claim in block.readings if (claim.reading, claim.word) not in said]
+    rows = [_row(claim, several_aircraft) for claim in block.told] + [_row(claim, several_aircraft) | {"lesser": True} for claim in others]
     return {
         "where": block.first.where if block.in_words else "",
         "text": block.first.text,
         "quote": block.first.paper if block.in_words else "",
-        "rows": [_row(claim, several_aircraft) for claim in block.told]
-        + [_row(claim, several_aircraft) | {"lesser": True} for claim in others],
+        "place": f"claim-{block.key}",
+        "picture": bars.claim_svg(block.first),
+        "rows": rows,
+        "opens": any(row["why"] or row["effect"] for row in rows),
     }
 
 
@@ -80,7 +83,7 @@ def _row(claim: Claim, name_aircraft: bool) -> dict[str, Any]:
     digits = max(paper_names.decimals(claim.paper), words.UNIT_DIGITS.get(claim.unit, 2))
     values = (claim.kinematic, claim.point_mass, claim.flown_calm)
     air = claim.flown_air
-    unit = claim.unit if len(claim.unit) <= SHORT else ""  # a long one stands beside the quantity
+    unit = claim.unit if len(words.SHOWN_UNITS.get(claim.unit, claim.unit)) <= SHORT else ""  # a long one stands beside the quantity
     under = (named(READING_NAMES, claim.reading), named(AIRCRAFT_NAMES, claim.aircraft) if name_aircraft and claim.aircraft else "")
     printed = "" if claim.key.startswith(IN_WORDS) else claim.paper
     return {
@@ -92,6 +95,7 @@ def _row(claim: Claim, name_aircraft: bool) -> dict[str, Any]:
         "air": paper_names.spread(air, unit, digits),
         "air_note": f"median {words.amount(air.median, unit, digits)}, n = {air.n}" if air.n and math.isfinite(air.median) else "",
         "word": claim.word,
+        "other": reference.other_word(claim),
         "word_class": paper_names.WORD_CLASS[claim.word],
         "condition": paper_names.typeset(claim.condition).rstrip(".") if claim.word == HOLDS_ONLY_IF else "",
         "limit": claim.deciding_limit,

@@ -7,7 +7,7 @@ from typing import Final
 
 from testbed.results.statistics import LEAST_PAIRS, NAN, finite, spread
 from testbed.show.words import listed
-from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim, Word
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, TOO_FEW, Claim, Word
 from testbed.studies.scoam.labels import DROAM, MAIN, MULTI, SINGLE, Design, Method, Part, Rung
 from testbed.studies.scoam.verdict import robustness
 from testbed.studies.scoam.verdict.csv_words import interval, percent, reading, say
@@ -56,7 +56,9 @@ def least(flights: Flights, claim: Least) -> Claim:
     own = _judged(flights, claim.measure, DROAM)
     every = _judged(flights, claim.measure, EVERY)
     ruling = own.ruling
-    if own.ruling.word in (HOLDS, HOLDS_ONLY_IF) and every.ruling.word != own.ruling.word:
+    if own.ruling.word == HOLDS and every.ruling.word == TOO_FEW:
+        ruling = every.ruling
+    elif own.ruling.word in (HOLDS, HOLDS_ONLY_IF) and every.ruling.word not in (own.ruling.word, TOO_FEW):
         extra = [own.ruling.condition] if own.ruling.condition else []
         ruling = Ruling(HOLDS_ONLY_IF, ", ".join(["DROAM is the only rival", *extra]), every.ruling.reason)
     on_rails = ruling.word in (FAILS_KINEMATICALLY, NOT_DETERMINED) or not own.flown.differences

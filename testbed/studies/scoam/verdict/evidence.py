@@ -41,6 +41,7 @@ class Found:
     marginal: int
     evidence: PromiseEvidence
     on_rails: Effect
+    first: Ruling  # before the draws
     ruling: Ruling
     agreement: Agreement
 
@@ -78,6 +79,7 @@ def gather(flights: Flights, it: Promise) -> Found:
         sum(marginal(row) for row in rows),
         evidence,
         on_rails,
+        ruling,
         robust(ruling, agree),
         agree,
     )

@@ -51,12 +51,13 @@ class AirCell:
 
 @dataclass(frozen=True)
 class Counted:
-    """Flights of a part: how many, how many say nothing (crashed program, no trim), and how many are marginal."""
+    """Flights of a part: how many, how many say nothing (crashed program, no trim), how many are marginal; and its replicates."""
 
     part: str
     flights: int
     silent: int
     marginal: int
+    replicates: int
 
 
 @dataclass(frozen=True)

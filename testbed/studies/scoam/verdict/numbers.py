@@ -11,13 +11,13 @@ from testbed.show.words import listed
 from testbed.studies.scoam.audit.audit import AuditRow, audit
 from testbed.studies.scoam.audit.printed import PRINTED
 from testbed.studies.scoam.audit.readings import UNPRINTED, UNREAD
-from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, Claim, Word
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, TOO_FEW, Claim, Word
 from testbed.studies.scoam.labels import DRAWN, MAIN, SIDES, Axis, Encounter, Method, Part, Rung
 from testbed.studies.scoam.verdict import robustness
 from testbed.studies.scoam.verdict.ablation import in_turbulence, in_wind, lesser_side
 from testbed.studies.scoam.verdict.csv_words import METHOD_WORDS, percent, reading, say
 from testbed.studies.scoam.verdict.flights import Flights, Row, number
-from testbed.studies.scoam.verdict.rulings import AS_TAKEN, SHARE, Agreement, agreement
+from testbed.studies.scoam.verdict.rulings import AS_TAKEN, SHARE, Agreement, agreement, settles, takes
 
 AUDIT_READINGS: Final[Mapping[str, Mapping[str, str]]] = {
     "table2": {Encounter.SINGLE_AS_PRINTED: "as_printed", Encounter.SINGLE_106: "azimuth_106", Encounter.SINGLE_106_10: "direction_106_10"},
@@ -95,10 +95,16 @@ class One:
     beside: str
     tolerance: float
     drawn_range: tuple[float, float]  # of the draws on rails
+    drawn_n: int
     words: tuple[Word | None, tuple[Word, ...]]
 
     def meets(self, printed: float) -> bool:
         return abs(self.rails - printed) <= self.tolerance
+
+    @property
+    def excludes(self) -> bool:
+        """Whether draws of which none comes to the print settle that fewer than 5 % would; without draws nothing speaks against it."""
+        return not self.drawn_n or settles(0, self.drawn_n, 1.0 - SHARE) is False
 
     def met_when_flown(self, printed: float) -> bool:
         return abs(self.calm - printed) <= self.tolerance or self.air.p05 <= printed <= self.air.p95
@@ -154,6 +160,7 @@ def _of_side(flights: Flights, printed: Printed, encounter: str, name: str, less
         beside=listed(beside),
         tolerance=tolerance,
         drawn_range=(min(drawn), max(drawn)) if drawn else (NAN, NAN),
+        drawn_n=len(drawn),
         words=words,
     )
 
@@ -172,8 +179,9 @@ def _word(printed: Printed, one: One) -> tuple[Word, str, Agreement]:
         half = PRINTED[printed.audit_key].half_ulp
         open_still = NOT_VARIED.intersection(audited.assumptions) or low - half <= value <= high + half
         unknown = math.isnan(low) and UNPRINTED.intersection(audited.assumptions)
-        word: Word = NOT_DETERMINED if open_still or unknown else FAILS_KINEMATICALLY
-        return word, "", agreement(word, *one.words)
+        if open_still or unknown:
+            return NOT_DETERMINED, "", agreement(NOT_DETERMINED, *one.words)
+        return FAILS_KINEMATICALLY if one.excludes else TOO_FEW, "", agreement(FAILS_KINEMATICALLY, *one.words)
     if not math.isfinite(one.calm):
         return NOT_DETERMINED, "", agreement(NOT_DETERMINED, *one.words)
     if not one.met_when_flown(value):
@@ -246,6 +254,9 @@ def _why(printed: Printed, one: One, word: Word) -> str:
         said.append("It does follow from other results that the paper prints, which its inputs do not give.")
     if word == NOT_DETERMINED:
         said.append(_undecided(printed, one))
+    if word == TOO_FEW:
+        n = one.drawn_n
+        said.append(f"None of {n} draws comes to the print, which does not settle whether 5 % would: it takes {takes(0, n, 1.0 - SHARE)}.")
     return " ".join(said)
 
 
@@ -260,7 +271,7 @@ def _undecided(printed: Printed, one: One) -> str:
     return f"Varying what is not printed gives {low} to {high}, which holds the print."
 
 
-ORDER: Final = (HOLDS, HOLDS_ONLY_IF, FAILS_WHEN_FLOWN, NOT_DETERMINED, FAILS_KINEMATICALLY)
+ORDER: Final = (HOLDS, HOLDS_ONLY_IF, FAILS_WHEN_FLOWN, NOT_DETERMINED, TOO_FEW, FAILS_KINEMATICALLY)
 
 
 def _merged(printed: Printed, readings: list[tuple[One, Claim]]) -> Claim:

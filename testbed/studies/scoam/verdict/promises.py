@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from testbed.results.statistics import finite, spread
 from testbed.show.words import listed
-from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
+from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, TOO_FEW, Claim
 from testbed.studies.scoam.labels import DROAM, MAIN, MULTI, SIDES, SINGLE, Axis, Design, Method, Part, Rung
 from testbed.studies.scoam.verdict.ablation import costs, in_turbulence, in_wind, kinematic_cause, most_costly, waterfall
 from testbed.studies.scoam.verdict.csv_words import METHOD_WORDS, reading, say
@@ -63,7 +63,7 @@ def _why_safe(flights: Flights, encounters: tuple[str, ...], found: Found, cause
     if not found.rails:
         return _reason(found) or "No flight on rails."
     said = [f"On rails {_of(found.rails.values())} re-plans keep every radius ({_by_aircraft(flights, encounters, Rung.KINEMATIC)})."]
-    if found.ruling.word == FAILS_KINEMATICALLY:
+    if found.first.word == FAILS_KINEMATICALLY:
         at_once = [clearance(flights.one(Part.CALM, Method.SCOAM, Rung.VO_INSTANT, encounter=e, flown_by=MAIN)) for e in encounters]
         shown = finite(at_once)
         if shown:
@@ -195,7 +195,7 @@ def _claim(
     where = {Axis.ENCOUNTER: encounter, Axis.FLOWN_BY: MAIN}
     at = {rung: flights.one(Part.CALM, Method.SCOAM, rung, **where) for rung in (Rung.KINEMATIC, Rung.POINT_MASS, Rung.JSBSIM)}
     air = [*in_wind(flights, Method.SCOAM, **where), *in_turbulence(flights, Method.SCOAM, **where)]
-    effect = found.on_rails if found.ruling.word == FAILS_KINEMATICALLY else found.evidence.share
+    effect = found.on_rails if found.first.word == FAILS_KINEMATICALLY else found.evidence.share
     return Claim(
         text.key,
         text.where,
@@ -258,7 +258,7 @@ def _left_out(found: Found, threats_only: bool = False) -> list[str]:
 
 def _reason(found: Found) -> str:
     reason = found.ruling.reason
-    return f"{reason[:1].upper()}{reason[1:]}." if reason and (found.ruling.word in (NOT_DETERMINED, HOLDS_ONLY_IF)) else ""
+    return f"{reason[:1].upper()}{reason[1:]}." if reason and (found.ruling.word in (NOT_DETERMINED, HOLDS_ONLY_IF, TOO_FEW)) else ""
 
 
 def promises(flights: Flights, reach: Reach | None) -> tuple[Claim, ...]:

@@ -85,5 +85,6 @@ def counted(flights: Flights) -> tuple[Counted, ...]:
     for part in parts:
         rows = [row for row in flights.all if label(row, Axis.PART) == part]
         told = [row for row in rows if flew(row)]
-        out.append(Counted(part, len(rows), len(rows) - len(told), sum(map(marginal, told))))
+        replicates = len({row.get("replicate") for row in rows})
+        out.append(Counted(part, len(rows), len(rows) - len(told), sum(map(marginal, told)), replicates))
     return tuple(out)
