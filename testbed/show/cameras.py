@@ -25,11 +25,18 @@ class Shot:
     axes: Array
     height_m: Array
 
-    def at(self, places: Array) -> Array:
-        """The points (n, 3) that are seen at these places (n, 2), as far away as what the camera looks at."""
-        ahead = self.height_m / (2.0 * np.tan(np.radians(FOV_DEG) / 2.0))
+    def repeated(self, rows: int) -> "Shot":
+        """A camera that stands still, so many times."""
+        return Shot(*(np.repeat(part[:1], rows, axis=0) for part in (self.eye, self.axes, self.height_m)))
+
+    def at(self, places: Array, beside: Array | None = None) -> Array:
+        """The points (n, 3) that are seen at these places (n, 2), as far away as what the camera looks at, or as the points ``beside``."""
+        height = self.height_m
+        if beside is not None:
+            height = 2.0 * np.tan(np.radians(FOV_DEG) / 2.0) * np.einsum("ni,ni->n", beside - self.eye, self.axes[:, :, 2])
+        ahead = height / (2.0 * np.tan(np.radians(FOV_DEG) / 2.0))
         across = places[:, :1] * self.axes[:, :, 0] - places[:, 1:] * self.axes[:, :, 1]
-        return np.asarray(self.eye + self.height_m[:, None] * across + ahead[:, None] * self.axes[:, :, 2])
+        return np.asarray(self.eye + height[:, None] * across + ahead[:, None] * self.axes[:, :, 2])
 
     def seen(self, points: Array) -> Array:
         """Where points (n, 3) are in the picture (n, 2): right and up from its middle, in heights of the picture."""
@@ -85,6 +92,15 @@ def fixed(target: Array, towards: Array, height_m: float, rows: int) -> Shot:
     distance = height_m / (2.0 * np.tan(np.radians(FOV_DEG) / 2.0))
     eye = np.repeat((target + distance * towards)[None], rows, axis=0)
     return Shot(eye, np.repeat(looking(-towards[None]), rows, axis=0), np.full(rows, height_m))
+
+
+def velocity_space(heading: Array, speed_mps: float, rows: int) -> Shot:
+    """The velocity sphere from its right-hand side, a little from the front and above, so that a cap round the heading is seen."""
+    forward = _unit(heading)
+    aside = np.array([forward[1], -forward[0], 0.0])
+    target = speed_mps * (0.35 * forward + 0.2 * aside - 0.15 * UP)
+    way = speed_mps * (1.7 * forward + 1.9 * aside + 0.9 * UP)
+    return fixed(target, _unit(way), float(_height(np.linalg.norm(way[None], axis=1))[0]), rows)
 
 
 def chase(time_s: Array, own: Array, own_vel: Array, span_m: float) -> Shot:

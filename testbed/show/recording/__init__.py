@@ -46,7 +46,8 @@ def _log_flight(clock: Clock, record: FlightRecord, metrics: FlightMetrics, wind
         if window.obstacle and (shown := film.filmed(record, window, rows, span_m)):
             film.log(clock, record, shown, window.obstacle, span_m)
         rates = record.plan.rates
-        seen = thinned(rows, min(SIGHT_HZ, rates.planner_hz), rates.plant_hz)
+        sight_hz = min(SIGHT_HZ, rates.planner_hz)
+        seen = thinned(rows, sight_hz, rates.plant_hz)
         sights = look(record, seen)
-        velocity.log(clock, record, seen, sights)
+        velocity.log(clock, record, seen, sights, sight_hz)
         signals.log(clock, record, metrics, rows, seen, sights)

@@ -57,7 +57,7 @@ def filmed(record: FlightRecord, window: Window, rows: Array, span_m: float) -> 
 def log(clock: Clock, record: FlightRecord, film: Film, name: str, span_m: float) -> None:
     """Cameras, clearance, wind and words."""
     for camera, shot in film.shots.items():
-        log_camera(clock, camera, film.time_s, shot)
+        log_camera(clock, f"world/camera/{camera}", film.time_s, shot)
     ways = np.stack([film.own, film.own + film.gap], axis=1)
     colours = alarm(film.clearance_m)
     clock.static("world/clearance", rr.LineStrips3D.from_fields(radii=rr.Radius.ui_points(1.5)))
@@ -69,11 +69,14 @@ def log(clock: Clock, record: FlightRecord, film: Film, name: str, span_m: float
     _log_words(clock, record, film, name)
 
 
-def log_camera(clock: Clock, name: str, time_s: Array, shot: Shot) -> None:
-    """A camera that a view can look through."""
+def log_camera(clock: Clock, entity: str, time_s: Array, shot: Shot) -> None:
+    """A camera that a view can look through; one that stands still has one row."""
     lens = rr.Pinhole(fov_y=math.radians(FOV_DEG), aspect_ratio=ASPECT, camera_xyz=rr.ViewCoordinates.RDF, image_plane_distance=1e-3)
-    clock.static(f"world/camera/{name}", lens)
-    clock.send(f"world/camera/{name}", time_s, lambda k: rr.Transform3D.columns(translation=shot.eye[k], mat3x3=shot.axes[k]))
+    clock.static(entity, lens)
+    if len(shot.eye) == 1:
+        clock.static(entity, rr.Transform3D(translation=shot.eye[0], mat3x3=shot.axes[0]))
+    else:
+        clock.send(entity, time_s, lambda k: rr.Transform3D.columns(translation=shot.eye[k], mat3x3=shot.axes[k]))
 
 
 def alarm(clearance_m: Array) -> Array:

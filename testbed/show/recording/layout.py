@@ -30,7 +30,7 @@ ONLY_CLOSE, ONLY_CHASE = "/world/close/**", "/world/chase/**"
 def blueprint(record: FlightRecord, metrics: FlightMetrics, window: Window, scale: float) -> rrb.Blueprint:
     """The encounter from near, with the curves that say whether it was flown; all else in tabs. ``scale``: of the aircraft on the route."""
     whole = _route(record, f"Whole route ({_times(scale)})", window)
-    scenes = [*_filmed(record, window), whole, _velocity(record)]
+    scenes = [*_filmed(record, window), whole, _velocity()]
     details = rrb.Tabs(
         rrb.TextLogView(origin="/events", name="Events", columns=rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"])),
         rrb.TextDocumentView(origin="/summary", name="Summary"),
@@ -127,31 +127,20 @@ def _route(record: FlightRecord, name: str, window: Window) -> rrb.Spatial3DView
     along = box[-1] - box[-2]
     along = along / max(float(np.linalg.norm(along[:2])), 1.0)
     aside = np.array([along[1], -along[0], 0.0])
-    position = centre + extent * (0.50 * aside - 0.14 * along * [1, 1, 0] + np.array([0.0, 0.0, 0.32]))
+    position = centre + extent * (0.60 * aside - 0.14 * along * [1, 1, 0] + np.array([0.0, 0.0, 0.45]))
     eye = rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, position=position, look_target=centre, eye_up=(0, 0, 1))
     without = [ONLY_CLOSE, ONLY_CHASE, "/world/streaks", "/world/camera/**", "/world/clearance"]
     return spatial(record, name, eye, [*without, "/world/own/body"] if window.obstacle else without)
 
 
-def _velocity(record: FlightRecord) -> rrb.Spatial3DView:
-    """Velocity space from behind and above the present velocity, so that the cap faces the reader."""
-    size = record.plan.speed_mps
-    velocity = record.columns["own.vel_enu_mps"]
-    heading = np.array(record.events[0].own_vel_enu_mps) if record.events else velocity[0] if len(velocity) else np.array([size, 0.0, 0.0])
-    forward = heading / max(float(np.linalg.norm(heading)), 1e-9)
-    aside = np.array([forward[1], -forward[0], 0.0])
-    position = size * (1.2 * forward + 2.3 * aside + np.array([0.0, 0.0, 0.8]))
+def _velocity() -> rrb.Spatial3DView:
+    """Velocity space through its camera."""
     return rrb.Spatial3DView(
         origin="/velocity",
         name="Velocity space (m/s), as in the paper",
         background=rgba(palette.NIGHT),
         line_grid=False,
-        eye_controls=rrb.EyeControls3D(
-            kind=rrb.Eye3DKind.Orbital,
-            position=position,
-            look_target=size * (0.35 * forward + 0.2 * aside - np.array([0.0, 0.0, 0.15])),
-            eye_up=(0, 0, 1),
-        ),
+        eye_controls=rrb.EyeControls3D(tracking_entity="/velocity/camera"),
     )
 
 

@@ -72,7 +72,7 @@ def write_overlay(flights: list[Flown], title: str, path: Path) -> None:
         clock.static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         clock.static("relative", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         for camera, shot in shots.items():
-            log_camera(clock, camera, first.time_s, shot)
+            log_camera(clock, f"world/camera/{camera}", first.time_s, shot)
         _log_paths(clock, first)
         log_sphere(clock, "relative/sphere", palette.OBSTACLE, first.radius_m, first.time_s, np.zeros_like(first.own))
         for number_of, run in enumerate(runs):
