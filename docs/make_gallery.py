@@ -35,14 +35,39 @@ WIDE, FILM_WIDE, QUALITY, FILM_QUALITY = 1400, 1000, 82, 62
 FRAMES_PER_S, SLOWER = 12, 2.0  # of the film, and how much slower than flown it runs
 FILM_MS = -700, 2600  # from and to which instant; 0 is the decision
 MOST_BYTES, MOST_FILM_BYTES = 1_500_000, 2_000_000
+NO_BAR = "nav { display: none !important; }"  # it stays on top of the window, and so of a part that is taller
 SETTLED_S = 4.0  # what the viewer takes to load and draw, in software, at most
 
 EXAMPLE = ("run", "campaigns/paper_single.yaml")
 WIND = "air.wind={kind: steady, speed_mps: 10, from_deg: 240}"
-SWEEP = (
-    "sweep={air.wind.speed_mps: [0, 3, 6, 9, 12, 15], air.wind.from_deg: [60, 150, 240, 330], method.kind: [none, scoam], "
-    "plant.kind: [kinematic, point_mass, jsbsim]}"
+THREAT = ("obstacles.O.direction_deg=[106, 12.4]", "begin={climb_at_most_deg: 18}", "aircraft=gtm_t2")
+RUNG_SWEEP = (
+    "sweep={air: {calm: {air.wind: {kind: calm}}, windy: {air.wind: {kind: steady, speed_mps: 10, from_deg: 240}}}, "
+    "method.kind: [none, scoam], plant.kind: [kinematic, point_mass, jsbsim]}"
 )
+WIND_SWEEP = (
+    "sweep={air.wind.speed_mps: [0, 4, 8, 12], air.wind.from_deg: [0, 45, 90, 135, 180, 225, 270, 315], "
+    "method.kind: [scoam, droam_hp], plant.kind: [kinematic, jsbsim]}"
+)
+
+
+RUNS = {
+    "rungs": (*THREAT, RUNG_SWEEP, "recordings=all"),
+    "winds": (*THREAT, "air.wind={kind: steady, speed_mps: 3, from_deg: 60}", WIND_SWEEP, "recordings=none"),
+    "calm": ("recordings=none",),
+    "windy": (WIND, "recordings=none"),
+}
+"""The runs that are pictured, and what of the example is changed for each."""
+
+
+def words_of_run(directory: Path, settings: tuple[str, ...]) -> list[str]:
+    """What is typed after ``testbed``."""
+    return [*EXAMPLE, "--out", str(directory), *(word for setting in settings for word in ("--set", setting))]
+
+
+def typed(name: str) -> str:
+    """The command that flies one of the runs."""
+    return f"testbed {shlex.join(words_of_run(Path('reports/runs') / name, RUNS[name]))}"
 
 
 @dataclass
@@ -57,8 +82,7 @@ class Stage:
         """The example of the paper with some settings changed, flown."""
         directory = self.folder / name
         if name not in self.flown:
-            sets = [word for setting in settings for word in ("--set", setting)]
-            self.testbed(*EXAMPLE, "--out", str(directory), *sets)
+            self.testbed(*words_of_run(directory, settings))
             self.flown.add(name)
         return directory
 
@@ -121,7 +145,7 @@ def part_of(file: Callable[[Stage], Path], part: str, wide: int = WIDE) -> Maker
 
     def make(stage: Stage) -> list[Image.Image]:
         with stage.page(file(stage), wide, 900) as page:
-            return [_image(page.locator(part).screenshot())]
+            return [_image(page.locator(part).screenshot(style=NO_BAR))]
 
     return make
 
@@ -147,8 +171,8 @@ def film_of(file: Callable[[Stage], Path], part: str, slider: str) -> Maker:
     return make
 
 
-def viewed(file: Callable[[Stage], Path], at_s: float | None = None) -> Maker:
-    """A recording in the viewer as it opens, or at a time of it."""
+def viewed(file: Callable[[Stage], Path], at_s: float) -> Maker:
+    """A recording in the viewer, so long after the decision."""
 
     def make(stage: Stage) -> list[Image.Image]:
         from rerun.experimental import ViewerClient
@@ -162,10 +186,23 @@ def viewed(file: Callable[[Stage], Path], at_s: float | None = None) -> Maker:
         with ViewerClient.spawn(headless=True, port=port, executable_path=str(local)) as viewer:
             viewer.open(str(file(stage)))
             time.sleep(SETTLED_S)
-            if at_s is not None:
-                viewer.set_time("sim_time", duration=at_s, play_state="paused")
-                time.sleep(SETTLED_S)
+            viewer.set_time("encounter", duration=at_s, play_state="paused")
+            time.sleep(SETTLED_S)
             return [_image(viewer.take_screenshot(max_size=WIDE))]
+
+    return make
+
+
+def together(files: Callable[[Stage], list[Path]]) -> Maker:
+    """Images side by side, two in a row, in one."""
+
+    def make(stage: Stage) -> list[Image.Image]:
+        images = [Image.open(file).convert("RGB") for file in files(stage)]
+        wide, high = images[0].size
+        sheet = Image.new("RGB", (2 * wide, -(-len(images) // 2) * high), "white")
+        for k, image in enumerate(images):
+            sheet.paste(image, (k % 2 * wide, k // 2 * high))
+        return [sheet]
 
     return make
 
@@ -174,44 +211,47 @@ def _image(png: bytes) -> Image.Image:
     return Image.open(io.BytesIO(png)).convert("RGB")
 
 
-def calm(stage: Stage) -> Path:
-    """The paper's encounter in its three readings, on rails and flown."""
-    return stage.run("calm", "recordings=all")
+def _rungs(stage: Stage) -> Path:
+    """The paper's encounter on every rung, in calm air and in a wind."""
+    return stage.run("rungs", *RUNS["rungs"])
+
+
+def _calm(stage: Stage) -> Path:
+    return stage.run("calm", *RUNS["calm"])
 
 
 def _compared(stage: Stage) -> Path:
     page = stage.folder / "compared.html"
-    stage.testbed("compare", str(calm(stage)), str(stage.run("windy", WIND, "recordings=none")), "--out", str(page))
+    stage.testbed("compare", str(_calm(stage)), str(stage.run("windy", *RUNS["windy"])), "--out", str(page))
     return page
 
 
 def _swept(stage: Stage) -> Path:
-    reading = "obstacles.O.direction_deg=[106, 12.4]"
-    return stage.run("winds", "air.wind.kind=steady", reading, "begin={climb_at_most_deg: 18}", SWEEP, "recordings=none") / "index.html"
+    return stage.run("winds", *RUNS["winds"]) / "index.html"
 
 
 def _opening(stage: Stage) -> Path:
-    return stage.recording(calm(stage), "azimuth_106/scoam/gtm_t2")
+    return stage.recording(_rungs(stage), "calm/scoam/jsbsim")
 
 
 def _overlay(stage: Stage) -> Path:
     file = stage.folder / "overlay.rrd"
-    stage.testbed("overlay", str(calm(stage)), "azimuth_106/scoam/gtm_t2", "--out", str(file))
+    stage.testbed("overlay", str(_rungs(stage)), "calm/scoam/jsbsim", "--out", str(file))
     return file
 
 
-def _velocity_space(stage: Stage) -> Path:
+def _figures(stage: Stage) -> list[Path]:
     folder = stage.folder / "figures"
     stage.testbed("figures", "--out", str(folder))
-    return folder / "figures.html"
+    return [folder / f"figure_{number:02d}.png" for number in (1, 3, 7, 11)]
 
 
 FILM = Picture(
     "encounter",
     "The encounter moves in the page",
     "The flights of one encounter as ghosts in one scene, aligned at the decision: the point on rails keeps clear, the aircraft does not.",
-    ("testbed run campaigns/paper_single.yaml", "testbed open paper-single"),
-    film_of(lambda stage: calm(stage) / "index.html", "#ep", "#ep-at"),
+    (typed("rungs"), "testbed open rungs"),
+    film_of(lambda stage: _rungs(stage) / "index.html", "#ep", "#ep-at"),
 )
 SIX = (
     Picture(
@@ -224,36 +264,36 @@ SIX = (
     Picture(
         "axes",
         "A metric over the axes of a sweep",
-        "Wind by speed and direction, flown on rails, by a point with limits and by the aircraft; each point is a cell.",
-        (f"testbed run campaigns/paper_single.yaml --set '{SWEEP}' ...", "testbed open winds"),
-        part_of(_swept, "#over-axis .oa-figures"),
+        "Wind by speed and direction, two methods, on rails and flown; each point is a cell.",
+        (typed("winds"), "testbed open winds"),
+        part_of(_swept, "#over-axis"),
     ),
     Picture(
         "recording",
         "A recording, as it opens",
         "The aircraft at the encounter, what its planner has decided, and its clearance on a scale on which metres are seen.",
-        ("testbed open paper-single FLIGHT",),
-        viewed(_opening),
+        ("testbed open rungs FLIGHT",),
+        viewed(_opening, 1.5),
     ),
     Picture(
         "overlay",
         "All rungs in one scene",
         "The same encounter and decision on rails, by the point with limits, and flown: what breaks, and at which step.",
-        ("testbed overlay paper-single azimuth_106/scoam/gtm_t2",),
-        viewed(_overlay),
+        ("testbed overlay reports/runs/rungs calm/scoam/jsbsim",),
+        viewed(_overlay, 1.95),
     ),
     Picture(
         "figures",
         "The paper's figures from the product's own geometry",
-        "Collision cone, velocity sphere and spherical cap, numbered as in the paper.",
+        "Collision cone, velocity sphere, spherical caps and the path around the obstacle: four of fourteen, numbered as in the paper.",
         ("testbed figures --out figures/",),
-        part_of(_velocity_space, "body"),
+        together(_figures),
     ),
     Picture(
         "compare",
         "Two runs, pair by pair",
         "The same flights in calm air and in a wind of 10 m/s: who gains, who loses, and by how much.",
-        ("testbed compare paper-single windy --out compared.html",),
+        (typed("calm"), typed("windy"), "testbed compare calm windy --out compared.html"),
         part_of(_compared, "#slopes"),
     ),
 )
@@ -273,7 +313,7 @@ HTML = """<!DOCTYPE html>
 .gallery figure { margin: 2.5rem 0 0; padding: 0; border: 0; break-inside: avoid; }
 .gallery figcaption { font-size: 1rem; margin: 0 0 .8rem; }
 .gallery img { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 10px; }
-.gallery code { white-space: pre-wrap; }
+.gallery code { display: block; white-space: pre-wrap; margin-top: .3rem; }
 </style>
 </head>
 <body>
@@ -286,7 +326,7 @@ HTML = """<!DOCTYPE html>
 {% for one in pictures %}
 <figure id="{{ one.name }}">
   <h2>{{ one.title }}</h2>
-  <figcaption>{{ one.says }}<br>{% for command in one.commands %}<code>{{ command }}</code> {% endfor %}</figcaption>
+  <figcaption>{{ one.says }}{% for command in one.commands %}<code>{{ command }}</code>{% endfor %}</figcaption>
   <img src="gallery/{{ one.name }}.webp" alt="{{ one.title }}" loading="lazy">
 </figure>
 {% endfor %}

@@ -69,6 +69,8 @@ def _opened(path: Path) -> _Opened:
     if not (directory / PLAN).is_file():
         raise BadInputError(f"{path}: no {PLAN} here; its run ended before it began")
     plan = planned.opened(directory / PLAN)
+    if not isinstance(plan.campaign, dict):
+        raise BadInputError(f"{directory / PLAN}: damaged, or not a plan of this version of testbed (its campaign is no section)")
     index = rows_of(directory)
     places = index.places(plan.ids)
     with journal_read():

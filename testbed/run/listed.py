@@ -77,7 +77,7 @@ def when(about: Mapping[str, Any]) -> str:
     """When the last flights of a run ended, or began, in UTC; empty if its manifest does not tell."""
     history = about["history"]
     said = (history[-1].get("ended") or history[-1].get("started")) if history else None
-    with suppress(TypeError, ValueError):
+    with suppress(TypeError, ValueError, OverflowError):
         return datetime.fromisoformat(said).astimezone(UTC).strftime("%Y-%m-%d %H:%M")  # type: ignore[arg-type]
     return ""
 

@@ -53,17 +53,19 @@ class Answer:
 def read(said: Any) -> Answer | None:
     """An answer that was stored, by whomever; None if it is none."""
     try:
-        lines, bars, of, flight = said["lines"], [Bar(**bar) for bar in said["bars"]], said["of"], said["flight"]
-    except (TypeError, KeyError):
+        answer = Answer(tuple(said["lines"]), tuple(Bar(**bar) for bar in said["bars"]), said["of"], said["flight"])
+        return answer if isinstance(said["lines"], list) and _is_sound(answer) else None
+    except (TypeError, KeyError, OverflowError):
         return None
-    numbers = [number for bar in bars for number in (bar.low, bar.median, bar.high, bar.n)]
-    sound = (
-        isinstance(lines, list)
-        and all(isinstance(text, str) for text in (*lines, of, flight, *(bar.name for bar in bars)))
+
+
+def _is_sound(answer: Answer) -> bool:
+    numbers = [number for bar in answer.bars for number in (bar.low, bar.median, bar.high, bar.n)]
+    return (
+        all(isinstance(text, str) for text in (*answer.lines, answer.of, answer.flight, *(bar.name for bar in answer.bars)))
         and all(isinstance(number, int | float) and math.isfinite(number) for number in numbers)
-        and all(bar.tone in TONES for bar in bars)
+        and all(bar.tone in TONES for bar in answer.bars)
     )
-    return Answer(tuple(lines), tuple(bars), of, flight) if sound else None
 
 
 @dataclass

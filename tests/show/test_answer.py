@@ -58,7 +58,8 @@ def test_it_comes_back_from_its_file_and_nothing_else_does():
     assert read(stored) == answer
     broken = [{}, [], None, {**stored, "lines": "x"}, {**stored, "of": 3}, {**stored, "bars": [{"name": "x"}]}]
     broken += [
-        {**stored, "bars": [stored["bars"][0] | change]} for change in ({"low": "0"}, {"tone": "x onload=y"}, {"name": 3}, {"n": None})
+        {**stored, "bars": [stored["bars"][0] | change]}
+        for change in ({"low": "0"}, {"low": 10**400}, {"tone": "x onload=y"}, {"name": 3}, {"n": None})
     ]
     assert [read(one) for one in broken] == [None] * len(broken)
 
