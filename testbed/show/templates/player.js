@@ -192,8 +192,12 @@ const EncounterPlayer = (() => {
     label();
     if (still.matches) { go(scene.focus.flight.close_up.nearest_s); return; }
     go(Math.max(scene.begin, -0.5));
-    // Once, when it is first seen, it plays by itself; whoever has touched it decides.
-    const watch = new IntersectionObserver((seen) => { if (seen.some((one) => one.isIntersecting)) { watch.disconnect(); if (own && !document.hidden) play(); } }, { threshold: 0.5 });
+    // When it is first seen it plays once by itself; whoever has touched it decides. Out of sight it rests.
+    const watch = new IntersectionObserver((seen) => {
+      const visible = seen[seen.length - 1].isIntersecting;
+      if (playing && !visible) pause(true);
+      else if (visible && own && !document.hidden) { own = false; play(); }
+    }, { threshold: 0.5 });
     watch.observe($("ep-plan"));
   }
   start().catch((problem) => console.error(problem));
