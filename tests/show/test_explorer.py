@@ -97,11 +97,11 @@ def test_the_small_picture_keeps_the_shape_of_the_track_within_its_frame() -> No
     leg = [(3.0 * k, 0.0) for k in range(11)] + [(30.0, float(k)) for k in range(1, 11)]
     ball = {"nearest_enu_m": [30.0, 10.0, 0.0], "radius_m": 2.0}
     picture = str(explorer.spark({"x": [x for x, _ in leg], "y": [y for _, y in leg], "obstacles": [ball]}))
-    points = [tuple(map(float, pair.split(","))) for pair in picture.split('points="')[1].split('"')[0].split()]
+    points = [tuple(map(float, pair.split(","))) for pair in picture.split('points="')[1].split('"', maxsplit=1)[0].split()]
     (x0, y0), (x1, y1) = points[0], points[-1]
     assert len(points) == explorer.SPARK_POINTS
     assert (x1 - x0) / (y0 - y1) == pytest.approx(3.0, rel=0.12)  # north is up; rounded to whole pixels
     assert all(0.0 <= x <= explorer.SPARK_WIDE and 0.0 <= y <= explorer.SPARK_HIGH for x, y in points)
-    radius = float(picture.split('r="')[1].split('"')[0])
+    radius = float(picture.split('r="')[1].split('"', maxsplit=1)[0])
     assert radius == pytest.approx(2.0 * (x1 - x0) / 30.0, rel=0.1)
     assert explorer.spark({"x": [None, 1.0], "y": [0.0, 1.0]}) == ""

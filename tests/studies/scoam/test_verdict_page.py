@@ -134,7 +134,9 @@ def test_the_sentences_count_and_name_what_the_claims_are(verdict: SimpleNamespa
     assert short.startswith("Of the paper's claims in words, 6 in all, 1 holds, 1 holds only under a condition, 1 fails kinematically")
     assert "1 is withheld for want of flights." in short
     assert "Of the numbers in its tables, 2 in all, 1 holds only under a condition and 1 fails kinematically" in short
-    one = "Section 5.1, text of words.1: holds only if the wind is below 5 m/s; least clearance 2.7 m on rails and −3.8 m flown in calm air."  # noqa: RUF001
+    one = (
+        "Section 5.1, text of words.1: holds only if the wind is below 5 m/s; least clearance 2.7 m on rails and −3.8 m flown in calm air."  # noqa: RUF001
+    )
     assert one in told["Claim by claim"]
     assert "2.7 m through the insertion point, kinematically, −3.8 m flown in calm air" in told["Where the metres go"]  # noqa: RUF001
     rivals = told["Against the other methods"]
