@@ -156,5 +156,8 @@ def _check_picture(checks: Sequence[CheckResult]) -> tuple[Markup, str]:
         for line in checks
         if line.tolerance > 0.0 and math.isfinite(share := 100.0 * line.off / line.tolerance)
     ]
+    rows.sort(key=lambda row: -row.middle)
     picture = bars.intervals(rows[:MOST_ROWS], "off the truth, % of the tolerance", whole=(0.0, 100.0), digits=0)
+    if len(rows) > MOST_ROWS:
+        return picture, f"How far off the truth, as a share of the tolerance: of {len(rows)} quantities the {MOST_ROWS} that are farthest."
     return picture, "How far each quantity is off the truth, as a share of its tolerance."

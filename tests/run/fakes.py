@@ -128,9 +128,10 @@ def fly_badly(job):
     return fly(job)
 
 
-def page(campaign, rows, series, provenance, checks, head):
+def page(campaign, rows, series, provenance, checks, head, files):
     """A page that shows all it is given."""
-    return json.dumps([campaign.name, list(rows), series, provenance, [str(line) for line in checks], head], sort_keys=True)
+    told = [campaign.name, list(rows), series, provenance, [str(line) for line in checks], head, files]
+    return json.dumps(told, sort_keys=True)
 
 
 def ignores_ctrl_c(_item):

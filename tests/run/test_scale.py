@@ -66,8 +66,11 @@ def peak_of(folder, replicates):
 
 
 @pytest.mark.slow
-def test_memory_does_not_grow_with_the_flights(tmp_path):
-    """A row alone takes 5 kB, a plan 6 kB. 8 bytes for each of some 20 numbers may stay: ids, places, what the cells' medians are of."""
+def test_memory_does_not_grow_with_the_flights(tmp_path, monkeypatch):
+    """A row alone takes 5 kB, a plan 6 kB. 8 bytes for each of some 20 numbers may stay: ids, places, what the cells' medians are of; of
+    flights that the page does not list.
+    """
+    monkeypatch.setattr(gathered, "MOST_FLIGHT_ROWS", 200)
     peak_of(tmp_path / "warm", 10)
     few, many = peak_of(tmp_path / "few", 250), peak_of(tmp_path / "many", 1000)
     assert (many - few) / (2 * 750) < 700
@@ -170,11 +173,14 @@ def crowd(number, cells):
         yield fakes.metrics_row(f"{n:012x}") | who | {"least_clearance_m": clearance, "max_bank_deg": draw.uniform(0.0, 60.0)}
 
 
-def test_what_the_page_lists_is_what_all_rows_would_give():
+def test_what_the_page_lists_is_what_all_rows_would_give(monkeypatch):
+    monkeypatch.setattr(gathered, "MOST_FLIGHT_ROWS", 300)
+    monkeypatch.setattr(gathered, "MOST_CELL_ROWS", 300)
     rows = list(crowd(4000, 500))
     of = gathered.gather(iter(rows))
     by_clearance = sorted(rows, key=lambda row: (math.isnan(row["least_clearance_m"]), row["least_clearance_m"]))  # stable
-    assert [row["flight_id"] for row in of.nearest] == [row["flight_id"] for row in by_clearance[:300]]
+    assert [one.row()["flight_id"] for one in of.listed] == [row["flight_id"] for row in by_clearance[:300]]
+    assert [one.row()["max_bank_deg"] for one in of.listed] == [row["max_bank_deg"] for row in by_clearance[:300]]
     assert (of.n, of.cells_in_all, len(of.cells)) == (4000, 500, 300)
     assert of.worst[False, "max_bank_deg"]["max_bank_deg"] == max(row["max_bank_deg"] for row in rows)
     assert list(of.cells["cell 7"].values["max_bank_deg"]) == [row["max_bank_deg"] for row in rows if row["cell"] == "cell 7"]
@@ -182,7 +188,7 @@ def test_what_the_page_lists_is_what_all_rows_would_give():
 
 
 @pytest.mark.slow
-def test_the_page_of_many_flights_and_failures_is_cut_and_says_so(tmp_path):
+def test_the_page_of_many_flights_and_failures_is_cut_and_says_so(tmp_path, monkeypatch):
     """Three hundred crowded cells have three hundred histograms of each metric; the crashes have long tracebacks."""
     text = "x" * 40_000
     rows = [
@@ -190,7 +196,11 @@ def test_the_page_of_many_flights_and_failures_is_cut_and_says_so(tmp_path):
         for n, row in enumerate(crowd(9000, 400))
     ]
     page = render_page(load_campaign(written(tmp_path)), iter(rows), {}, {})
-    assert len(page.encode()) < 2_000_000  # to which the library that draws adds 2 MB, and 64 flights' curves half of one
+    assert len(page.encode()) < 2_500_000  # to which the library that draws adds 2 MB, and 64 flights' curves half of one
+    assert "more are in" not in page
+    monkeypatch.setattr(gathered, "MOST_FLIGHT_ROWS", 300)
+    monkeypatch.setattr(gathered, "MOST_CELL_ROWS", 300)
+    page = render_page(load_campaign(written(tmp_path)), iter(rows), {}, {})
     assert "100 more cells are in" in page
     assert "8700 more are in" in page
     assert page.count("Of 150 more cells there is no picture.") == 2  # of clearance, and of bank

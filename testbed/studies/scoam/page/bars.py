@@ -18,16 +18,16 @@ def waterfall_svg(fall: Waterfall) -> Markup:
     steps = [step for step in fall.steps if math.isfinite(step.clearance_m)]
     if not steps:
         return Markup("")
-    scale = Scale([0.0, *(step.clearance_m for step in steps)])
+    names = [named(STEP_NAMES, step.rung) for step in steps]
+    scale = Scale([0.0, *(step.clearance_m for step in steps)], names)
     parts = frame(scale, len(steps), "least clearance, m", 0.0)
-    for k, step in enumerate(steps):
+    for k, (name, step) in enumerate(zip(names, steps, strict=True)):
         y = TOP + k * ROW
         known = math.isfinite(step.change_m)
         x0, x1 = scale(step.clearance_m - step.change_m if known else 0.0), scale(step.clearance_m)
         css = "start" if not known else "lost" if step.change_m < 0.0 else "won"
-        name = named(STEP_NAMES, step.rung)
         title = f"{name}: {words.amount(step.clearance_m, 'm')}" + (f", change {paper_names.signed(step.change_m)}" if known else "")
-        parts.append(row_name(y, name))
+        parts.append(row_name(scale, y, name))
         parts.append(
             f'<g class="{css}"><title>{escape(title)}</title><rect x="{min(x0, x1):.1f}" y="{y + 5}" width="{max(abs(x1 - x0), 1.5):.1f}" '
             f'height="{ROW - 10}"/><line x1="{x1:.1f}" x2="{x1:.1f}" y1="{y + 2}" y2="{y + ROW - 2}"/></g>'
