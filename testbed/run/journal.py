@@ -12,7 +12,7 @@ import time
 from array import array
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from functools import partial
 from io import FileIO
 from pathlib import Path
@@ -198,6 +198,8 @@ def decode(line: bytes) -> JobResult:
     else:
         _restore(row, FlightMetrics)
     for event in row["events"]:
+        for name, default in _SAID_LATER.items():
+            event.setdefault(name, default)
         _restore(event, ReplanEvent)
     if row.get("evidence") is not None:
         row["evidence"] = {name: _numbers(value) for name, value in row["evidence"].items()}
@@ -245,6 +247,9 @@ def _floats(kind: type[FlightMetrics] | type[ReplanEvent]) -> tuple[tuple[str, .
     vectors = tuple(field.name for field in fields(kind) if get_args(field.type) == get_args(Vec3))
     return tuple(field.name for field in fields(kind) if field.type is float), vectors
 
+
+_SAID_LATER = {field.name: field.default for field in fields(ReplanEvent) if field.default is not MISSING}
+"""What events did not always say: a run from before is read with what the record takes for unsaid."""
 
 _FLOATS = {kind: _floats(kind) for kind in (FlightMetrics, ReplanEvent)}
 

@@ -85,3 +85,13 @@ def test_damage_before_the_last_line_is_refused_with_its_place_and_nothing_is_lo
     with pytest.raises(journal.JournalError), journal.appending(path):
         pytest.fail("opened a damaged journal")
     assert path.read_bytes() == damaged
+
+
+def test_a_row_from_before_an_event_said_so_much_is_read() -> None:
+    line = journal.encode(result(events=[event()]))
+    older = json.loads(line)
+    for name in ("path_clearance_m", "path_turns_rad", "reason"):
+        del older["row"]["events"][0][name]
+    (read,) = journal.decode(json.dumps(older, separators=(",", ":")).encode()).row["events"]
+    assert math.isnan(read["path_clearance_m"])
+    assert read["reason"] == ""

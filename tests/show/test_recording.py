@@ -183,7 +183,8 @@ def test_velocity_space_has_the_papers_parts(flown: tuple[FlightRecord, Path]) -
         if at in said:  # names follow more slowly
             assert said[at] == [
                 f"M of SC: r {found.radius_mps:.1f} m/s, \N{GREEK SMALL LETTER PSI}_r {angle(found.azimuth_rad)}, "
-                f"\N{GREEK SMALL LETTER THETA}_r {angle(found.elevation_rad)}, \N{GREEK SMALL LETTER GAMMA} {angle(found.half_angle_rad)} deg"
+                f"\N{GREEK SMALL LETTER THETA}_r {angle(found.elevation_rad)}, "
+                f"\N{GREEK SMALL LETTER GAMMA} {angle(found.half_angle_rad)} deg"
             ]
         absolute, relative = (read(path, f"/velocity/obstacle/O/{name}") for name in ("cone/rim", "relative_cone"))
         moved = np.array(absolute["strips"][k][0]) - record.columns["obstacle.O.vel_enu_mps"][row]
