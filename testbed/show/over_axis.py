@@ -163,7 +163,7 @@ class OverAxes:
             there = {key: lines for key, lines in panels.items() if any(len({x for x, _ in line}) > 1 for line in lines.values())}
             if there:
                 kept = sorted(there, key=lambda key: (-sum(map(len, there[key].values())), _is_point(there[key])))[:MOST_PANELS]
-                titles = self._titles(kept)
+                titles = _titles(kept, list(there))
                 drawn = tuple(
                     Panel(title, tuple(Line(name, tuple(sorted(line, key=lambda p: p[0]))) for name, line in there[key].items()))
                     for key, title in zip(kept, titles, strict=True)
@@ -186,7 +186,7 @@ class OverAxes:
                 there = {key: grid for key, grid in grids.items() if all(len({place[k] for place in grid}) > 1 for k in (0, 1))}
                 if there:
                     kept = sorted(there, key=lambda key: -len(there[key]))[:MOST_PANELS]
-                    titles = self._titles([key[:2] for key in kept])
+                    titles = _titles([key[:2] for key in kept], [key[:2] for key in there])
                     drawn = tuple(
                         Grid(", ".join(filter(None, (title, key[2]))), there[key]) for key, title in zip(kept, titles, strict=True)
                     )
@@ -196,14 +196,6 @@ class OverAxes:
     def _rest(self, cell: Cell, *without: str) -> Key:
         """What a cell is apart from these axes, who flew and the method."""
         return tuple((axis, label) for axis, label in cell.labels.items() if axis not in without and axis not in self._of_method)
-
-    def _titles(self, keys: Sequence[tuple[str, Key]]) -> list[str]:
-        """Who flew, and the labels that are not the same in all panels and do not only say that once more."""
-        flyers = {who for who, _ in keys}
-        differ = {axis for _, rest in keys for axis, _ in rest if len({dict(other).get(axis) for _, other in keys}) > 1}
-        same_as_flyer = {axis for axis in differ if len({(who, dict(rest).get(axis)) for who, rest in keys}) == len(flyers)}
-        said = differ - same_as_flyer
-        return [", ".join([who, *(words.circumstance(axis, label) for axis, label in rest if axis in said)]) for who, rest in keys]
 
     def drawn(self) -> list[Cell]:
         """The cells whose numbers are in some picture, in plan order."""
@@ -228,6 +220,15 @@ class OverAxes:
                 what = "the share that keeps every radius" if name == KEPT else "the least clearance (median)"
                 told.append(f"Over {curve.title}, {panel.title}: {what} is {'; '.join(parts)}.")
         return told
+
+
+def _titles(keys: Sequence[tuple[str, Key]], among: Sequence[tuple[str, Key]]) -> list[str]:
+    """Who flew, and the labels that are not the same in all panels there are and do not only say that once more."""
+    flyers = {who for who, _ in among}
+    differ = {axis for _, rest in among for axis, _ in rest if len({dict(other).get(axis) for _, other in among}) > 1}
+    same_as_flyer = {axis for axis in differ if len({(who, dict(rest).get(axis)) for who, rest in among}) == len(flyers)}
+    said = differ - same_as_flyer
+    return [", ".join([who, *(words.circumstance(axis, label) for axis, label in rest if axis in said)]) for who, rest in keys]
 
 
 def _is_point(lines: Mapping[str, Sequence[tuple[float, Cell]]]) -> bool:

@@ -7,6 +7,8 @@
 const EncounterViews = (() => {
   const EVERY = 4; // samples of the clearance to one of all else, as testbed/show/close_up.py has it
   const ROUNDING = 1e-3; // of a sample: instants are kept to a millionth of a second
+  const LABELLED_S = 1.2; // so long an insertion point bears its name: later there are aeroplanes around it
+  const ROOM_PX = 400; // in a narrower view the clearance stands above it only
   const DEG = Math.PI / 180;
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -119,7 +121,7 @@ const EncounterViews = (() => {
     }
     for (const ghost of ghosts) if (ghost.shown && ghost !== focus) spheres(g, ghost, t, px, scale, style, false, focus);
     spheres(g, focus, t, px, scale, style, true, focus);
-    for (const ghost of [...ghosts.filter((one) => one !== focus), focus]) if (ghost.shown || ghost === focus) flown(g, ghost, t, px, style, ghost === focus, scene, up);
+    for (const ghost of [...ghosts.filter((one) => one !== focus), focus]) if (ghost.shown || ghost === focus) flown(g, w, ghost, t, px, style, ghost === focus, scene, up);
     if (up === 1) { wind(g, w, focus, t, scene, style); north(g, w, h, scene, style); }
   }
 
@@ -153,7 +155,7 @@ const EncounterViews = (() => {
     if (main) for (const one of ghost.insertions) if (one.at <= t + ROUNDING) {
       const p = px(one.point);
       g.beginPath(); g.arc(p[0], p[1], 5, 0, 7); g.strokeStyle = style.command; g.lineWidth = 2; g.stroke();
-      text(g, "insertion point", p[0], p[1] - 10, style.command, "center");
+      if (t < one.at + LABELLED_S) text(g, "insertion point", p[0], p[1] - 10, style.command, "center");
     }
   }
 
@@ -169,7 +171,7 @@ const EncounterViews = (() => {
     polygon(g, [tip, ...[2.7, -2.7].map((side) => [tip[0] + 9 * Math.cos(turn + side), tip[1] + 9 * Math.sin(turn + side)])]); g.fillStyle = colour; g.fill();
   }
 
-  function flown(g, ghost, t, px, style, main, scene, up) {
+  function flown(g, w, ghost, t, px, style, main, scene, up) {
     const here = between(ghost, ghost.points, t);
     const count = Math.min(Math.max(0, Math.floor((t - ghost.begin) / ghost.step + ROUNDING) + 1), ghost.points.length);
     const trail = ghost.points.slice(0, count), at = (k) => ghost.begin + k * ghost.step;
@@ -185,7 +187,7 @@ const EncounterViews = (() => {
     if (!main || up !== 1 || now === null || now > 120) return;
     const [far, centre] = nearest(ghost, here, t), edge = px(plus(here, less(centre, here), now / (far || 1)));
     line(g, [c, edge], now < 0 ? style.bad : style.ink, 1.2);
-    text(g, `${scene.number(now)} m`, c[0] + 16, c[1] + 20, now < 0 ? style.bad : style.ink, "left", "600 13px system-ui, sans-serif");
+    if (w >= ROOM_PX) text(g, `${scene.number(now)} m`, c[0] + 16, c[1] + 20, now < 0 ? style.bad : style.ink, "left", "600 13px system-ui, sans-serif");
   }
 
   /* Distance to the centre of the obstacle whose surface is nearest, and that centre. */
@@ -259,7 +261,7 @@ const EncounterViews = (() => {
     for (const obstacle of focus.obstacles) sphere(g, w, h, camera, threat(focus, obstacle, t), obstacle, style);
     for (const one of focus.insertions) if (one.at <= t + ROUNDING) {
       const q = camera.seen(one.point), p = camera.project(q);
-      if (q[2] > 1) { g.beginPath(); g.arc(p[0], p[1], Math.max(4, 0.02 * camera.lens * 60 / q[2]), 0, 7); g.strokeStyle = style.command; g.lineWidth = 2; g.stroke(); text(g, "insertion point", p[0] + 12, p[1] + 4, style.command); }
+      if (q[2] > 1) { g.beginPath(); g.arc(p[0], p[1], Math.max(4, 0.02 * camera.lens * 60 / q[2]), 0, 7); g.strokeStyle = style.command; g.lineWidth = 2; g.stroke(); if (t < one.at + LABELLED_S) text(g, "insertion point", p[0] + 12, p[1] + 4, style.command); }
     }
     const there = [...ghosts.filter((one) => one.shown && one !== focus), focus].map((ghost) => [ghost, between(ghost, ghost.points, t)]);
     there.sort((a, b) => (b[1] ? camera.seen(b[1])[2] : 0) - (a[1] ? camera.seen(a[1])[2] : 0));
