@@ -1,26 +1,21 @@
 """`aircraft`, `aircraft new` and `tune` as a user types them: what is wrong with an aircraft ends in words and an exit code."""
 
-import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from testbed.core.catalogue import AIRCRAFT_ROOT, PATH_VARIABLE
+from tests.command import Done
+from tests.command import testbed as said_by
 
-TESTBED = Path(sys.executable).with_name("testbed")
 SMOKE = AIRCRAFT_ROOT.parent / "campaigns" / "smoke.yaml"
 
-pytestmark = pytest.mark.slow  # the command is run as a user runs it
+pytestmark = pytest.mark.slow  # the command is called as a user types it
 
 
-def testbed(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, PATH_VARIABLE: ""}
-    done = subprocess.run([TESTBED, *arguments], cwd=cwd, capture_output=True, text=True, timeout=300, check=False, env=environment)
-    assert "Traceback" not in done.stderr, done.stderr
-    return done
+def testbed(*arguments: str, cwd: Path) -> Done:
+    return said_by(*arguments, cwd=cwd, **{PATH_VARIABLE: ""})
 
 
 testbed.__test__ = False  # type: ignore[attr-defined]  # its name begins like a test's

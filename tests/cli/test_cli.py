@@ -11,21 +11,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.command import testbed
+
 ROOT = Path(__file__).parents[2]
 SMOKE = ROOT / "campaigns" / "smoke.yaml"
 TESTBED = Path(sys.executable).with_name("testbed")
 LONG = ("--set", "replicates=200", "--set", "recordings=none")
 
-pytestmark = pytest.mark.slow  # the command is run as a user runs it
-
-
-def testbed(*arguments, cwd):
-    done = subprocess.run([TESTBED, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
-    assert "Traceback" not in done.stderr, done.stderr
-    return done
-
-
-testbed.__test__ = False  # its name begins like a test's
+pytestmark = pytest.mark.slow  # the command is called as a user types it, in this process but where processes are the point
 
 
 def start(*arguments, cwd):
@@ -63,11 +56,11 @@ def lines(file):
 
 @pytest.fixture(scope="module")
 def smoke(tmp_path_factory):
-    """The smoke campaign, flown once with one worker."""
+    """The smoke campaign, flown once with one worker, by the command that a user starts."""
     folder = tmp_path_factory.mktemp("smoke")
-    done = testbed("run", SMOKE, "--out", "one", "--workers", 1, cwd=folder)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout == "one\n"
+    run = start("run", SMOKE, "--out", "one", "--workers", 1, cwd=folder)
+    assert run.wait(120) == 0, (folder / "stderr").read_text()
+    assert (folder / "stdout").read_text() == "one\n"
     return folder / "one"
 
 
