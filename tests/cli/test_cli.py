@@ -91,10 +91,10 @@ def test_a_replay_equals_its_row(smoke, tmp_path):
 
 def test_a_check_is_told_line_by_line_and_a_miss_is_exit_1(tmp_path):
     check = ROOT / "campaigns" / "check" / "excess_power.yaml"
-    good = testbed("run", check, "--out", "good", cwd=tmp_path)
+    good = testbed("run", check, "--out", "good", "--workers", 1, cwd=tmp_path)
     assert (good.returncode, good.stdout) == (0, "good\n"), good.stderr
     assert "check passed: jsbsim gtm_t2: specific excess power: " in good.stderr
-    bad = testbed("run", check, "--out", "bad", "--set", "check.steepest_climb_deg=21", cwd=tmp_path)
+    bad = testbed("run", check, "--out", "bad", "--workers", 1, "--set", "check.steepest_climb_deg=21", cwd=tmp_path)
     assert (bad.returncode, bad.stdout) == (1, "bad\n")
     assert "check missed: jsbsim gtm_t2: specific excess power: " in bad.stderr
     assert "1 of 3 checks missed" in bad.stderr
@@ -220,7 +220,9 @@ def test_schema_and_version(tmp_path):
     assert testbed("--version", cwd=tmp_path).stdout == f"testbed {version('vosc-testbed')}\n"
 
 
-@pytest.mark.parametrize("command", ["schema", "list", "run smoke.yaml --set recordings=none"])
+@pytest.mark.parametrize(
+    "command", ["schema", "list", "run smoke.yaml --workers 1 --set recordings=none --set sweep.plant.kind=[kinematic]"]
+)
 def test_a_reader_that_goes_away_is_no_error(tmp_path, command):
     (tmp_path / "smoke.yaml").write_bytes(SMOKE.read_bytes())
     shell = f"set -o pipefail; '{TESTBED}' {command} 2>&1 | true"
@@ -250,6 +252,7 @@ def test_ctrl_c_keeps_what_was_flown_and_says_how_to_go_on(tmp_path):
 
 
 def test_a_killed_run_leaves_no_process_and_can_be_continued(tmp_path):
+    """That it ends with the bytes of a run that was left alone is seen, over more kills, in tests/kills."""
     short = ("--set", "replicates=12", "--set", "recordings=none")
     run = start("run", SMOKE, "--out", "cut", *short, cwd=tmp_path)
     rows = tmp_path / "cut" / "rows.jsonl"
@@ -263,5 +266,4 @@ def test_a_killed_run_leaves_no_process_and_can_be_continued(tmp_path):
     assert lines(rows) < 48
     assert testbed("run", SMOKE, "--out", "cut", *short, cwd=tmp_path).returncode == 0
     assert rows.read_bytes().startswith(whole)
-    assert testbed("run", SMOKE, "--out", "whole", *short, cwd=tmp_path).returncode == 0
-    assert (tmp_path / "cut" / "results.csv").read_bytes() == (tmp_path / "whole" / "results.csv").read_bytes()
+    assert lines(rows) == 48
