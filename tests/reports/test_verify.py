@@ -15,8 +15,9 @@ from scipy import stats
 from reports.verify.outcome import end_of, outcome_of
 from reports.verify.raw import read_raw
 from testbed.run import runner
-from testbed.run.engines import LocalEngine, attempt
+from testbed.run.engines import LocalEngine
 from testbed.run.runner import Order
+from tests.here import Here
 
 PACKAGE = Path(__file__).parents[2] / "reports" / "verify"
 CAMPAIGN = """\
@@ -56,16 +57,6 @@ sweep:
   rung: {kinematic: {plant.kind: kinematic}, jsbsim: {plant.kind: jsbsim}}
 """
 )
-
-
-class Here:
-    """An engine without processes."""
-
-    name, workers = "here", 1
-
-    def imap(self, fn, items):
-        for number, item in enumerate(items):
-            yield number, attempt(fn, item)
 
 
 def fly(folder: Path, engine=None, overrides: tuple[str, ...] = (), campaign: str = CAMPAIGN) -> Path:

@@ -6,20 +6,11 @@ from pathlib import Path
 import pytest
 
 from testbed.run import runner
-from testbed.run.engines import LocalEngine, attempt
+from testbed.run.engines import LocalEngine
 from testbed.run.runner import Order, Summary
+from tests.here import Here
 
 CLEARANCE = Path(__file__).parents[2] / "campaigns" / "check" / "clearance.yaml"
-
-
-class Here:
-    """An engine without processes."""
-
-    name, workers = "here", 1
-
-    def imap(self, fn, items):
-        for number, item in enumerate(items):
-            yield number, attempt(fn, item)
 
 
 def run(out: Path, *overrides: str, engine=None) -> Summary:

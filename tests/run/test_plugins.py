@@ -19,6 +19,7 @@ from testbed.run.replay import replay
 from testbed.run.runner import Order
 from testbed.run.stored import plan_of
 from tests.command import testbed
+from tests.here import Here
 from tests.run.test_dask_engine import cluster, needs_dask
 
 __all__ = ["cluster"]
@@ -68,7 +69,7 @@ def study(tmp_path: Path) -> Path:
 
 
 def fly(study: Path, engine: object = None, **settings: object) -> runner.Summary:
-    order = {"source": study / "study.yaml", "out": study / "out", "engine": engine or LocalEngine(2)} | settings
+    order = {"source": study / "study.yaml", "out": study / "out", "engine": engine or Here()} | settings
     return runner.run(Order(**order))  # type: ignore[arg-type]
 
 
@@ -78,7 +79,7 @@ def rows(study: Path) -> dict[str, dict]:
 
 @pytest.mark.slow
 def test_it_flies_in_spawned_workers_and_is_known_to_report_and_replay(study: Path) -> None:
-    summary = fly(study)
+    summary = fly(study, LocalEngine(2))
     assert summary.flown_now == summary.planned == 4
     assert summary.crashed == 0
     flown = rows(study)
@@ -122,7 +123,7 @@ def test_it_flies_on_a_cluster_of_separate_processes(study: Path, cluster: tuple
 
 
 def test_the_page_says_which_text_of_a_plug_in_was_flown_and_which_package(study: Path) -> None:
-    summary = fly(study, LocalEngine(1))
+    summary = fly(study)
     digits = hashlib.sha256(TANGENT.encode()).hexdigest()[:12]
     assert f"<dt>plug-in tangent</dt><dd>SHA-256 {digits}</dd>" in (summary.directory / "index.html").read_text()
     directory = RunDirectory(summary.directory)
@@ -133,7 +134,7 @@ def test_the_page_says_which_text_of_a_plug_in_was_flown_and_which_package(study
 
 
 def test_a_run_whose_plug_in_was_tampered_with_is_refused(study: Path) -> None:
-    fly(study, LocalEngine(1))
+    fly(study)
     stored = study / "out" / "plugins" / "tangent.py"
     stored.write_text(TANGENT + "# more\n")
     with pytest.raises(BadInputError, match="changed since the run"):

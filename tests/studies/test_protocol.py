@@ -12,10 +12,11 @@ from testbed.cli import app
 from testbed.core import registry
 from testbed.run import runner
 from testbed.run.directory import BadInputError
-from testbed.run.engines import LocalEngine, attempt
+from testbed.run.engines import LocalEngine
 from testbed.run.replay import replay
 from testbed.run.runner import Order
 from testbed.studies.study import Study
+from tests.here import Here
 
 TESTBED = Path(__file__).parents[2] / "testbed"
 STUDIES = ("scoam", "lead_time")
@@ -62,16 +63,6 @@ sweep:
     none: {method.kind: none}
     scoam: {method.kind: scoam}
 """
-
-
-class Here:
-    """An engine without processes."""
-
-    name, workers = "here", 1
-
-    def imap(self, fn, items):
-        for number, item in enumerate(items):
-            yield number, attempt(fn, item)
 
 
 def tally(folder: Path, campaign: str = CAMPAIGN, plugin: str = TALLY) -> Path:
@@ -194,7 +185,7 @@ class Twice(Study):
         return Written({"twice.txt": "\\n".join(lines).encode()}, page="<!doctype html><title>Twice</title>")
 """
     file = tally(tmp_path, CAMPAIGN.replace("tally:Tally", "tally:Twice").replace("replicates: 2", "replicates: 1"), plugin)
-    summary = runner.run(Order(file, LocalEngine(1), tmp_path / "out"))
+    summary = runner.run(Order(file, Here(), tmp_path / "out"))
     out = summary.directory
     assert (summary.outcomes, summary.crashed) == ({"done": 2}, 0)
     lines = (out / "twice.txt").read_text().splitlines()
