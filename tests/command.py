@@ -9,7 +9,7 @@ import io
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,12 +29,15 @@ class Done:
 
 def testbed(*arguments: object, cwd: Path, **environment: str) -> Done:
     """``testbed`` with these arguments in a folder; variables of the environment can be changed for it."""
-    words = ["testbed", *map(str, arguments)]
-    with contextlib.chdir(cwd), mock.patch.object(sys, "argv", words), mock.patch.dict(os.environ, environment):
+    return called(main, "testbed", *arguments, cwd=cwd, **environment)
+
+
+def called(program: Callable[[], Any], *words: object, cwd: Path, **environment: str) -> Done:
+    """The same of any program, whose name is the first word; what it returns is its exit code if it does not exit."""
+    with contextlib.chdir(cwd), mock.patch.object(sys, "argv", [*map(str, words)]), mock.patch.dict(os.environ, environment):
         with _stream("stdout", 1) as out, _stream("stderr", 2) as err:
             try:
-                main()
-                code: Any = 0
+                code: Any = program()
             except SystemExit as end:
                 code = end.code
         said = Done(code or 0, _read(out), _read(err))

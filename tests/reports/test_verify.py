@@ -12,11 +12,13 @@ from pathlib import Path
 import pytest
 from scipy import stats
 
+from reports.verify import report
 from reports.verify.outcome import end_of, outcome_of
 from reports.verify.raw import read_raw
 from testbed.run import runner
 from testbed.run.engines import LocalEngine
 from testbed.run.runner import Order
+from tests.command import called
 from tests.here import Here
 
 PACKAGE = Path(__file__).parents[2] / "reports" / "verify"
@@ -76,10 +78,9 @@ def run(flown: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(flown, tmp_path / "out"))
 
 
-def verify(directory: Path, package: Path = PACKAGE) -> tuple[int, str, str]:
-    # isolated (-I) and away from the sources: nothing of the testbed can be imported by accident
-    done = subprocess.run([sys.executable, "-I", package, directory], capture_output=True, text=True, check=False, cwd=directory.parent)
-    assert "Traceback" not in done.stderr
+def verify(directory: Path) -> tuple[int, str, str]:
+    """In this process; that it stands alone is another test."""
+    done = called(report.main, "verify", directory, cwd=directory.parent)
     return done.returncode, done.stdout, done.stderr
 
 
@@ -224,13 +225,11 @@ def test_a_word_that_does_not_follow_is_named(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_copy_of_the_folder_says_the_same_and_so_does_the_module(flown: Path, tmp_path: Path) -> None:
+    """The copy isolated (-I) and away from the sources: nothing of the testbed can be imported by accident."""
     copy = Path(shutil.copytree(PACKAGE, tmp_path / "another name", ignore=shutil.ignore_patterns("__pycache__")))
-    said = verify(flown)
-    assert verify(flown, copy) == said
-    done = subprocess.run(
-        [sys.executable, "-m", "reports.verify", flown], capture_output=True, text=True, check=False, cwd=PACKAGE.parents[1]
-    )
-    assert (done.returncode, done.stdout, done.stderr) == said
+    for command, folder in (("-I", copy), flown.parent), (("-m", "reports.verify"), PACKAGE.parents[1]):
+        done = subprocess.run([sys.executable, *command, flown], capture_output=True, text=True, check=False, cwd=folder)
+        assert (done.returncode, done.stdout, done.stderr) == verify(flown)
 
 
 def test_it_shares_no_code_with_what_it_verifies() -> None:
