@@ -196,6 +196,7 @@ def sweeps(draw: st.DrawFn) -> dict[str, list[object]]:
     return {name: draw(st.lists(axis_values[name], min_size=1, max_size=3, unique_by=str)) for name in names}
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(sweep=sweeps(), replicates=st.integers(1, 3))
 def test_every_combination_is_there_once_with_its_values(sweep: dict[str, list[object]], replicates: int) -> None:

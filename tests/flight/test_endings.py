@@ -166,6 +166,7 @@ def test_the_way_back_at_once_leads_along_the_route_too() -> None:
     assert record.outcome in (Outcome.REACHED, Outcome.COLLIDED)
 
 
+@pytest.mark.slow
 def test_a_way_back_leads_to_the_lap_that_was_left() -> None:
     """What crosses on the third lap throws nobody back to the first, which passes the same place."""
     shape = {"kind": "racetrack", "straight_m": 600, "radius_m": 300, "laps": 4}

@@ -165,6 +165,7 @@ def test_flights_that_never_began_are_checked_too(tmp_path: Path) -> None:
     assert (code, said.splitlines()[0]) == (0, "1 flights checked of 1 planned, in 1 cells")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("aircraft", ["gtm_t2", "c172p"])
 def test_a_flight_that_came_down_is_told_from_one_that_ran_out_of_time(tmp_path: Path, aircraft: str) -> None:
     """A wheel, a wing or a belly touches before the centre of gravity is down."""

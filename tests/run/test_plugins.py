@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from testbed.core import plugins
-from testbed.run import manifest, runner
+from testbed.run import manifest, runner, trial
 from testbed.run.dask_engine import DaskEngine
 from testbed.run.directory import BadInputError, RunDirectory
 from testbed.run.engines import LocalEngine
@@ -59,6 +59,12 @@ recordings: none
 sweep:
   method.options.side: [left, right]
 """
+
+
+@pytest.fixture(autouse=True)
+def _read_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That parts of one's own are tried in a worker first is a test of its own (test_trial.py)."""
+    monkeypatch.setattr(trial, "_names_parts", lambda *_: False)
 
 
 @pytest.fixture

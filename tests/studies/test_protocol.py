@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from testbed.campaign import SpecError, expand, load_campaign
 from testbed.cli import app
 from testbed.core import registry
-from testbed.run import runner
+from testbed.run import runner, trial
 from testbed.run.directory import BadInputError
 from testbed.run.engines import LocalEngine
 from testbed.run.replay import replay
@@ -63,6 +63,12 @@ sweep:
     none: {method.kind: none}
     scoam: {method.kind: scoam}
 """
+
+
+@pytest.fixture(autouse=True)
+def _read_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That parts of one's own are tried in a worker first is a test of its own (tests/run/test_trial.py)."""
+    monkeypatch.setattr(trial, "_names_parts", lambda *_: False)
 
 
 def tally(folder: Path, campaign: str = CAMPAIGN, plugin: str = TALLY) -> Path:
