@@ -19,9 +19,9 @@ needs_dask = pytest.mark.skipif(importlib.util.find_spec("distributed") is None,
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture(scope="module")
-def cluster(tmp_path_factory):
-    with started_cluster(tmp_path_factory.mktemp("cluster"), ROOT) as started:
+@pytest.fixture
+def cluster(tmp_path):
+    with started_cluster(tmp_path, ROOT) as started:
         yield started.file, started.workers
 
 

@@ -205,17 +205,21 @@ def test_a_method_of_an_installed_package_flies_under_its_own_name(tmp_path: Pat
     (tmp_path / "study.yaml").write_text(campaign)
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(site), os.environ.get("PYTHONPATH", "")])}
 
-    def testbed(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-c", "from testbed.cli import main; main()", *arguments]
+    def testbed(*commands: str) -> subprocess.CompletedProcess[str]:
+        """Commands in one process, whose exit code is the last one's."""
+        code = "import sys\nfrom testbed.cli import main\nfor words in sys.argv[1:]:\n    sys.argv = words.split()\n"
+        code += "    try:\n        main()\n    except SystemExit as end:\n        ended = end.code\nsys.exit(ended)"
+        command = [sys.executable, "-c", code, *(f"testbed {words}" for words in commands)]
         return subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment)
 
-    assert "strange" in testbed("list", "methods").stdout.split()
-    assert "method 'strange'" in testbed("check", "method", "strange").stdout
-    done = testbed("run", "study.yaml", "--out", "out", "--workers", "2")
+    told = testbed("list methods", "check method strange").stdout
+    assert "strange" in told.partition("method 'strange'")[0].split()
+    assert "method 'strange'" in told
+    done = testbed("run study.yaml --out out --workers 1")
     assert done.returncode == 0, done.stderr
     assert "(4 flown now)" in done.stderr
     assert {event["decision"] for row in rows(tmp_path).values() for event in row["events"]} == {"replanned"}
     install(site, "1.1")
-    again = testbed("run", "study.yaml", "--out", "out", "--workers", "2")
+    again = testbed("run study.yaml --out out --workers 1")
     assert again.returncode == 2
     assert "package strange-methods: 1.0 there, 1.1 now" in again.stderr
