@@ -182,10 +182,10 @@ def test_a_flight_that_came_down_is_told_from_one_that_ran_out_of_time(tmp_path:
 
 @pytest.mark.slow
 def test_raw_columns_are_the_same_bytes_whatever_flies_them(flown: Path, tmp_path: Path) -> None:
-    again = fly(tmp_path, engine=LocalEngine(2))
-    kept = [{file.name: file.read_bytes() for file in sorted((folder / "columns").iterdir())} for folder in (flown, again)]
-    assert kept[0] == kept[1]
-    assert len(kept[0]) == 18
+    again = fly(tmp_path, LocalEngine(1), ("sweep.method.kind=[scoam]",))  # a third of them, in a process of its own
+    kept = {file.name: file.read_bytes() for file in (again / "columns").iterdir()}
+    assert kept == {name: (flown / "columns" / name).read_bytes() for name in kept}
+    assert len(kept) == 6
 
 
 @pytest.mark.slow

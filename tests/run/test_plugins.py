@@ -85,7 +85,7 @@ def rows(study: Path) -> dict[str, dict]:
 
 @pytest.mark.slow
 def test_it_flies_in_spawned_workers_and_is_known_to_report_and_replay(study: Path) -> None:
-    summary = fly(study, LocalEngine(2))
+    summary = fly(study, LocalEngine(1))
     assert summary.flown_now == summary.planned == 4
     assert summary.crashed == 0
     flown = rows(study)
