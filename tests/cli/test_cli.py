@@ -249,21 +249,3 @@ def test_ctrl_c_keeps_what_was_flown_and_says_how_to_go_on(tmp_path):
     os.killpg(again.pid, signal.SIGINT)
     assert again.wait(timeout=30) == 130
     assert lines(rows) > kept
-
-
-def test_a_killed_run_leaves_no_process_and_can_be_continued(tmp_path):
-    """That it ends with the bytes of a run that was left alone is seen, over more kills, in tests/kills."""
-    short = ("--set", "replicates=12", "--set", "recordings=none")
-    run = start("run", SMOKE, "--out", "cut", *short, cwd=tmp_path)
-    rows = tmp_path / "cut" / "rows.jsonl"
-    assert wait_until(lambda: lines(rows) >= 5), (tmp_path / "stderr").read_text()
-    assert len(group(run.pid)) > 1
-    run.kill()
-    run.wait()
-    assert wait_until(lambda: group(run.pid) == [], 20)
-    kept = rows.read_bytes()
-    whole = kept[: kept.rindex(b"\n") + 1]
-    assert lines(rows) < 48
-    assert testbed("run", SMOKE, "--out", "cut", *short, cwd=tmp_path).returncode == 0
-    assert rows.read_bytes().startswith(whole)
-    assert lines(rows) == 48

@@ -1,4 +1,4 @@
-"""A kill of each kind; `make kills` has the many."""
+"""A kill of each kind, of runs of the command as a user starts it; `make kills` has the many."""
 
 import importlib.util
 
