@@ -249,3 +249,22 @@ def test_ctrl_c_keeps_what_was_flown_and_says_how_to_go_on(tmp_path):
     os.killpg(again.pid, signal.SIGINT)
     assert again.wait(timeout=30) == 130
     assert lines(rows) > kept
+
+
+def test_a_killed_run_leaves_no_process_and_ends_in_the_same_bytes_when_it_is_continued(tmp_path):
+    """Killed while its workers fly; at any other moment: `make kills`."""
+    short = ("--set", "replicates=6", "--set", "recordings=none")
+    run = start("run", SMOKE, "--out", "cut", *short, cwd=tmp_path)
+    rows = tmp_path / "cut" / "rows.jsonl"
+    assert wait_until(lambda: lines(rows) >= 5), (tmp_path / "stderr").read_text()
+    assert len(group(run.pid)) > 1
+    run.kill()
+    run.wait()
+    assert wait_until(lambda: group(run.pid) == [], 20)
+    kept = rows.read_bytes()
+    whole = kept[: kept.rindex(b"\n") + 1]
+    assert lines(rows) < 24
+    assert testbed("run", SMOKE, "--out", "cut", *short, cwd=tmp_path).returncode == 0
+    assert rows.read_bytes().startswith(whole)
+    assert testbed("run", SMOKE, "--out", "whole", "--workers", 1, *short, cwd=tmp_path).returncode == 0
+    assert (tmp_path / "cut" / "results.csv").read_bytes() == (tmp_path / "whole" / "results.csv").read_bytes()

@@ -297,7 +297,7 @@ def kill(kind: str, count: int, seed: int, folder: Path) -> Count:
     return killer(Study(folder, replicates), count, random.Random(seed))
 
 
-def one_of_each(seed: int, folder: Path, kinds: Iterable[str] = ("drivers", "workers", "schedulers")) -> dict[str, Count]:
+def one_of_each(seed: int, folder: Path, kinds: Iterable[str]) -> dict[str, Count]:
     """One kill of each kind, of runs of the same study."""
     study, draw = Study(folder, 12), random.Random(seed)
     return {kind: KINDS[kind][0](study, 1, draw) for kind in kinds}
