@@ -48,12 +48,16 @@ lead-time: $(STAMP) ## the lead-time study, about half an hour: reports/lead_tim
 aircraft-table: $(STAMP) ## every model of the wheel made an aircraft, tuned and flown, about half an hour: docs/aircraft.md
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python docs/make_aircraft.py
 
+# Two at a time, a file in one process, in the order of tests/conftest.py.
+SUITE := $(BIN)/pytest -n 2 --dist loadfile --no-loadscope-reorder
+
 test: $(STAMP) ## style, types, import order, all tests
 	$(BIN)/ruff check $(CHECKED)
 	$(BIN)/ruff format --check $(CHECKED)
-	$(BIN)/mypy
-	$(BIN)/lint-imports
-	$(BIN)/pytest -n 2 --dist loadfile
+	@echo "types and import order are checked beside the tests, and told at the end"; \
+	said=$$(mktemp); { $(BIN)/mypy && $(BIN)/lint-imports; } > $$said 2>&1 & beside=$$!; \
+	trap 'kill $$beside 2> /dev/null; rm -f $$said; exit 130' INT TERM; \
+	$(SUITE); tests=$$?; wait $$beside; beside=$$?; cat $$said; rm -f $$said; test $$tests = 0 && test $$beside = 0
 
 fast: $(STAMP) ## the tests that take no longer than a second
 	$(BIN)/pytest -n auto -m "not slow and not browser and not viewer"
@@ -61,7 +65,7 @@ fast: $(STAMP) ## the tests that take no longer than a second
 # What falls is told with the command that tries it again; a small form of it goes into tests/fuzz/found, which `make test` replays.
 fuzz: $(STAMP) ## 26,600 mutated campaigns, settings and aircraft read, of them 3,600 flown; random draws of the property tests
 	$(BIN)/python -m tests.fuzz.run
-	HYPOTHESIS_PROFILE=random $(BIN)/pytest -n 2 --dist loadfile -m "not slow and not browser and not viewer" -k "not fuzz" tests
+	HYPOTHESIS_PROFILE=random $(SUITE) -m "not slow and not browser and not viewer" -k "not fuzz" tests
 
 SEED := 1
 kills: $(STAMP) ## kill 100 drivers, 50 workers and 20 Dask schedulers, continue, and compare bytes (SEED=1)

@@ -43,6 +43,7 @@ def test_search_finds_a_minimum_in_a_corner() -> None:
     assert found["b"] == pytest.approx(1.0 / 3.0, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "speed"), [("gtm_t2", 50.0), ("t37", 90.0)])
 def test_inner_loops_are_stable_and_as_robust_as_they_should_be(name: str, speed: float) -> None:
     aircraft = load_aircraft(name)
@@ -55,6 +56,7 @@ def test_inner_loops_are_stable_and_as_robust_as_they_should_be(name: str, speed
     assert elevator_per_load_factor(model) == pytest.approx(-gains.elevator_per_load_factor, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_feed_forward_of_the_rudder_makes_a_turn_without_sideslip() -> None:
     """Steady turn by hand: with v = p = 0 and r = (g / V) cos(pitch) bank, the yawing moments of turn rate, aileron and rudder cancel."""
     aircraft = load_aircraft("t37")  # adverse yaw: its aileron yaws as much as its rudder

@@ -164,15 +164,19 @@ def test_c172p_tracks_the_swerve_that_its_ailerons_can_roll() -> None:
     assert follow(load_aircraft("c172p"), swerve(4, swing_m=220.0), 50.0).rms_m <= 0.5
 
 
+TIGHT = {2: 1.56, 4: 1.47, 5: 1.22, 7: 1.42, 11: 1.41, 12: 1.41}
+"""Of twenty paths with a radius between 1.2 and 2.5 of the tightest, by their seed those below 1.6, which are the hardest to follow."""
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SPEEDS)
 def test_tracks_random_paths(name: str) -> None:
+    """Bends near the tightest, climbs near the steepest: half a metre on each."""
     aircraft, speed = load_aircraft(name), SPEEDS[name]
     tightest = turn_radius(speed, aircraft.limits.bank_deg * DEG)
     climb = 0.8 * steepest_climb(aircraft, speed)
-    rms = []
-    for seed in range(20):
+    for seed, times in TIGHT.items():
         rng = np.random.default_rng([7, seed])
         radius = tightest * rng.uniform(1.2, 2.5)
-        rms.append(follow(aircraft, random_path(rng, radius, climb), speed).rms_m)
-    assert np.percentile(rms, 95) <= 1.0
+        assert radius == pytest.approx(times * tightest, abs=0.01 * tightest)
+        assert follow(aircraft, random_path(rng, radius, climb), speed).rms_m <= 0.5, seed

@@ -94,6 +94,7 @@ def test_every_fault_at_once(mine: Path) -> None:
     assert "8:13" in said
 
 
+@pytest.mark.slow
 def test_folder_and_model_may_have_different_names(mine: Path) -> None:
     from testbed import fly
     from testbed.campaign import expand

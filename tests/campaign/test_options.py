@@ -1,8 +1,6 @@
 """The options of every part that is built in: each one wrong in each way is told with its place, and each one that is documented flies."""
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
@@ -13,6 +11,7 @@ from pydantic_core import PydanticUndefined
 from testbed import expand, fly, load_campaign, measure
 from testbed.campaign import SpecError
 from testbed.core import options, registry
+from tests.command import testbed
 
 HEAD = """\
 name: options
@@ -155,8 +154,7 @@ def test_an_option_keeps_its_type_through_a_sweep_and_json(tmp_path: Path) -> No
 def test_the_command_says_so_and_exits_with_2(tmp_path: Path) -> None:
     path = tmp_path / "campaign.yaml"
     path.write_text(f"{HEAD}method: {{kind: droam_hp, options: {{side: up}}}}\n")
-    command = [sys.executable, "-c", "from testbed.cli import main; main()"]
-    done = subprocess.run([*command, "run", str(path), "--out", str(tmp_path / "out")], capture_output=True, text=True, check=False)
+    done = testbed("run", path, "--out", tmp_path / "out", cwd=tmp_path)
     assert done.returncode == 2
     assert "campaign.yaml:8:42: method.options.side: must be one of 'least', 'left', 'right', not 'up'" in done.stderr
     assert not (tmp_path / "out").exists()

@@ -28,6 +28,7 @@ def test_arrives_at_the_goal_in_length_over_speed() -> None:
     assert metrics.schedule_error_s == pytest.approx(0.0, abs=1e-4)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(
     goal=st.tuples(*[st.floats(-800, 800)] * 2, st.floats(-100, 300)).filter(lambda p: math.hypot(*p) > 100),

@@ -18,7 +18,7 @@ import sys
 import tempfile
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -295,6 +295,12 @@ def kill(kind: str, count: int, seed: int, folder: Path) -> Count:
     killer, replicates = KINDS[kind]
     folder.mkdir()
     return killer(Study(folder, replicates), count, random.Random(seed))
+
+
+def one_of_each(seed: int, folder: Path, kinds: Iterable[str]) -> dict[str, Count]:
+    """One kill of each kind, of runs of the same study."""
+    study, draw = Study(folder, 12), random.Random(seed)
+    return {kind: KINDS[kind][0](study, 1, draw) for kind in kinds}
 
 
 def main() -> None:

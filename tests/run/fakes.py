@@ -128,6 +128,13 @@ def fly_badly(job):
     return fly(job)
 
 
+def fly_wrongly(job):
+    """The third and the fourth replicate have bugs, which cost no process."""
+    if job.plan.replicate >= 2:
+        raise ZeroDivisionError("a bug")
+    return fly(job)
+
+
 def page(campaign, rows, series, provenance, checks, head, files):
     """A page that shows all it is given."""
     told = [campaign.name, list(rows), series, provenance, [str(line) for line in checks], head, files]

@@ -3,8 +3,9 @@
 import pytest
 
 from testbed.run import identity, runner
-from testbed.run.engines import LocalEngine, attempt
+from testbed.run.engines import LocalEngine
 from testbed.run.runner import Order
+from tests.here import Here
 from tests.run import fakes
 
 CAMPAIGN = """\
@@ -27,16 +28,6 @@ def little_campaign(monkeypatch, tmp_path):
     monkeypatch.setattr(identity, "code_hash", lambda: "c0de")
     monkeypatch.setenv("FLOWN", str(tmp_path / "flown"))
     (tmp_path / "little.yaml").write_text(CAMPAIGN)
-
-
-class Here:
-    """An engine without processes."""
-
-    name, workers = "here", 1
-
-    def imap(self, fn, items):
-        for number, item in enumerate(items):
-            yield number, attempt(fn, item)
 
 
 def fly(folder, *, workers=None, job=fakes.fly, **settings):

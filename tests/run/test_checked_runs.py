@@ -6,20 +6,11 @@ from pathlib import Path
 import pytest
 
 from testbed.run import runner
-from testbed.run.engines import LocalEngine, attempt
+from testbed.run.engines import LocalEngine
 from testbed.run.runner import Order, Summary
+from tests.here import Here
 
 CLEARANCE = Path(__file__).parents[2] / "campaigns" / "check" / "clearance.yaml"
-
-
-class Here:
-    """An engine without processes."""
-
-    name, workers = "here", 1
-
-    def imap(self, fn, items):
-        for number, item in enumerate(items):
-            yield number, attempt(fn, item)
 
 
 def run(out: Path, *overrides: str, engine=None) -> Summary:
@@ -70,6 +61,7 @@ def test_a_run_that_is_not_finished_is_a_miss(tmp_path):
     assert [line.quantity for line in runner.report(tmp_path / "out").checks if not line.passed] == ["flights that can be judged"]
 
 
+@pytest.mark.slow
 def test_a_fresh_run_leaves_no_verdict_of_the_former_one(tmp_path):
     run(tmp_path / "out")
     runner.run(Order(source=CLEARANCE, out=tmp_path / "out", overrides=("check=null",), engine=Here(), fresh=True))

@@ -9,7 +9,7 @@ import pytest
 
 from testbed.run import dask_client, dask_engine, identity
 from testbed.run.dask_engine import DaskEngine
-from testbed.run.engines import Died, EngineError, EngineLostError
+from testbed.run.engines import EngineError, EngineLostError
 from tests.kills.cluster import Cluster
 from tests.run import fakes
 
@@ -57,36 +57,26 @@ def test_without_the_package_the_message_says_what_to_install(monkeypatch):
 
 @needs_dask
 def test_a_cluster_of_this_machine_answers_every_item_and_isolates_faults():
-    assert results(DaskEngine(2, chunk=3), fakes.square, list(range(40))) == [x * x for x in range(40)]
-    out = results(DaskEngine(1, chunk=3), fakes.raises_on_3, list(range(8)))
-    assert out[:3] + out[4:] == [0, 1, 2, 4, 5, 6, 7]
+    """What kills its worker: test_poison.py."""
+    out = results(DaskEngine(2, chunk=3), fakes.raises_on_3, list(range(40)))
+    assert out[:3] + out[4:] == [0, 1, 2, *range(4, 40)]
     assert out[3].reason == "ValueError: three is too much"
 
 
 @needs_dask
-def test_a_call_that_kills_its_worker_costs_one_item_only():
-    out = results(DaskEngine(2, chunk=3), fakes.dies_on_3, list(range(12)))
-    assert out[:3] + out[4:] == [0, 1, 2, *range(4, 12)]
-    assert isinstance(out[3], Died)
-
-
-@needs_dask
-def test_a_killed_worker_of_a_cluster_costs_nothing(cluster):
+def test_workers_with_other_versions_are_refused_and_one_that_is_killed_costs_nothing(cluster, monkeypatch):
     address, workers = cluster
+    ours = identity.versions()
+    with monkeypatch.context() as other:
+        other.setattr(identity, "versions", lambda: ours | {"numpy": "0.1"})
+        with pytest.raises(EngineError, match=r'versions\.numpy: ".*" there, "0\.1" now'):
+            results(DaskEngine(0, address), fakes.square, [1])
     out = {}
     for number, result in DaskEngine(0, address, chunk=2).imap(fakes.slow_square, list(range(60))):
         out[number] = result
         if len(out) == 10:
             workers[0].kill()
     assert out == {x: x * x for x in range(60)}
-
-
-@needs_dask
-def test_workers_with_other_versions_are_refused(cluster, monkeypatch):
-    ours = identity.versions()
-    monkeypatch.setattr(identity, "versions", lambda: ours | {"numpy": "0.1"})
-    with pytest.raises(EngineError, match=r'versions\.numpy: ".*" there, "0\.1" now'):
-        results(DaskEngine(0, cluster[0]), fakes.square, [1])
 
 
 @needs_dask

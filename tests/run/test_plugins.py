@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from testbed.core import plugins
-from testbed.run import manifest, runner
+from testbed.run import manifest, runner, trial
 from testbed.run.dask_engine import DaskEngine
 from testbed.run.directory import BadInputError, RunDirectory
 from testbed.run.engines import LocalEngine
@@ -18,6 +18,8 @@ from testbed.run.manifest import provenance
 from testbed.run.replay import replay
 from testbed.run.runner import Order
 from testbed.run.stored import plan_of
+from tests.command import testbed
+from tests.here import Here
 from tests.run.test_dask_engine import cluster, needs_dask
 
 __all__ = ["cluster"]
@@ -59,6 +61,12 @@ sweep:
 """
 
 
+@pytest.fixture(autouse=True)
+def _read_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That parts of one's own are tried in a worker first is a test of its own (test_trial.py)."""
+    monkeypatch.setattr(trial, "_names_parts", lambda *_: False)
+
+
 @pytest.fixture
 def study(tmp_path: Path) -> Path:
     (tmp_path / "tangent.py").write_text(TANGENT)
@@ -67,7 +75,7 @@ def study(tmp_path: Path) -> Path:
 
 
 def fly(study: Path, engine: object = None, **settings: object) -> runner.Summary:
-    order = {"source": study / "study.yaml", "out": study / "out", "engine": engine or LocalEngine(2)} | settings
+    order = {"source": study / "study.yaml", "out": study / "out", "engine": engine or Here()} | settings
     return runner.run(Order(**order))  # type: ignore[arg-type]
 
 
@@ -77,7 +85,7 @@ def rows(study: Path) -> dict[str, dict]:
 
 @pytest.mark.slow
 def test_it_flies_in_spawned_workers_and_is_known_to_report_and_replay(study: Path) -> None:
-    summary = fly(study)
+    summary = fly(study, LocalEngine(1))
     assert summary.flown_now == summary.planned == 4
     assert summary.crashed == 0
     flown = rows(study)
@@ -121,7 +129,7 @@ def test_it_flies_on_a_cluster_of_separate_processes(study: Path, cluster: tuple
 
 
 def test_the_page_says_which_text_of_a_plug_in_was_flown_and_which_package(study: Path) -> None:
-    summary = fly(study, LocalEngine(1))
+    summary = fly(study)
     digits = hashlib.sha256(TANGENT.encode()).hexdigest()[:12]
     assert f"<dt>plug-in tangent</dt><dd>SHA-256 {digits}</dd>" in (summary.directory / "index.html").read_text()
     directory = RunDirectory(summary.directory)
@@ -132,7 +140,7 @@ def test_the_page_says_which_text_of_a_plug_in_was_flown_and_which_package(study
 
 
 def test_a_run_whose_plug_in_was_tampered_with_is_refused(study: Path) -> None:
-    fly(study, LocalEngine(1))
+    fly(study)
     stored = study / "out" / "plugins" / "tangent.py"
     stored.write_text(TANGENT + "# more\n")
     with pytest.raises(BadInputError, match="changed since the run"):
@@ -160,12 +168,10 @@ def test_a_run_whose_plug_in_was_tampered_with_is_refused(study: Path) -> None:
 def test_what_is_wrong_with_it_is_told_at_its_line(study: Path, file: str, text: str, said: str) -> None:
     (study / "tangent.py").unlink()
     (study / file).write_bytes(text.encode("utf-8", "surrogateescape"))
-    command = [sys.executable, "-c", "from testbed.cli import main; main()", "validate", str(study / "study.yaml")]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ})
+    done = testbed("validate", study / "study.yaml", cwd=study)
     assert done.returncode == 2, done.stderr
     assert said in done.stderr
     assert "study.yaml:" in done.stderr
-    assert "Traceback" not in done.stderr
 
 
 def test_two_texts_of_one_name_are_held_apart(tmp_path: Path) -> None:
@@ -199,17 +205,21 @@ def test_a_method_of_an_installed_package_flies_under_its_own_name(tmp_path: Pat
     (tmp_path / "study.yaml").write_text(campaign)
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(site), os.environ.get("PYTHONPATH", "")])}
 
-    def testbed(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-c", "from testbed.cli import main; main()", *arguments]
+    def testbed(*commands: str) -> subprocess.CompletedProcess[str]:
+        """Commands in one process, whose exit code is the last one's."""
+        code = "import sys\nfrom testbed.cli import main\nfor words in sys.argv[1:]:\n    sys.argv = words.split()\n"
+        code += "    try:\n        main()\n    except SystemExit as end:\n        ended = end.code\nsys.exit(ended)"
+        command = [sys.executable, "-c", code, *(f"testbed {words}" for words in commands)]
         return subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment)
 
-    assert "strange" in testbed("list", "methods").stdout.split()
-    assert "method 'strange'" in testbed("check", "method", "strange").stdout
-    done = testbed("run", "study.yaml", "--out", "out", "--workers", "2")
+    told = testbed("list methods", "check method strange").stdout
+    assert "strange" in told.partition("method 'strange'")[0].split()
+    assert "method 'strange'" in told
+    done = testbed("run study.yaml --out out --workers 1")
     assert done.returncode == 0, done.stderr
     assert "(4 flown now)" in done.stderr
     assert {event["decision"] for row in rows(tmp_path).values() for event in row["events"]} == {"replanned"}
     install(site, "1.1")
-    again = testbed("run", "study.yaml", "--out", "out", "--workers", "2")
+    again = testbed("run study.yaml --out out --workers 1")
     assert again.returncode == 2
     assert "package strange-methods: 1.0 there, 1.1 now" in again.stderr

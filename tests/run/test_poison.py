@@ -50,6 +50,6 @@ def test_all_else_is_answered_rightly_and_no_worker_is_left(served):
 def test_poison_is_the_same_row_on_dask():
     kinds = ["segfault", "spin_in_c", "stop_in_the_middle_of_a_message", "close_all", "giant"]
     items = [0, 1, *kinds, 2, 3]
-    out = dict(DaskEngine(2, wall_limit_s=2.0).imap(poison.fly, iter(items)))
+    out = dict(DaskEngine(2, wall_limit_s=2.0, chunk=3).imap(poison.fly, iter(items)))
     assert [out.get(number) for number in (0, 1, 7, 8)] == [0, 1, 4, 9]
     assert [out[2 + place] for place in range(len(kinds))] == [Died(poison.KINDS[kind]) for kind in kinds]

@@ -11,6 +11,7 @@ from testbed.campaign import load_campaign
 from testbed.run import runner
 from testbed.run.engines import LocalEngine
 from testbed.run.runner import Order
+from tests.here import Here
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = ROOT / "campaigns" / "paper.yaml"
@@ -34,8 +35,8 @@ def small(folder: Path) -> Path:
 @pytest.mark.slow
 def test_verdict_and_page_are_the_same_bytes_with_one_and_two_workers_and_verify_agrees(tmp_path: Path) -> None:
     file = small(tmp_path)
-    for workers in (1, 2):
-        summary = runner.run(Order(file, LocalEngine(workers), tmp_path / str(workers), overrides=SMALL))
+    for folder, engine in (("1", Here()), ("2", LocalEngine(2))):
+        summary = runner.run(Order(file, engine, tmp_path / folder, overrides=SMALL))
         assert (summary.planned, summary.crashed) == (24, 0)
     for name in ("verdict.csv", "index.html", "results.csv"):
         assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes(), name

@@ -95,8 +95,9 @@ def _first_id(run: Path) -> str:
 @pytest.mark.slow
 def test_the_report_is_the_same_with_one_and_two_workers(tmp_path: Path) -> None:
     file = study(tmp_path, plants="kinematic, jsbsim")
-    for workers in (1, 2):
-        runner.run(Order(file, LocalEngine(workers), tmp_path / str(workers)))
+    few = ("replicates=2", "sweep.method.kind=[scoam]")
+    for folder, engine in (("1", Here()), ("2", LocalEngine(2))):
+        runner.run(Order(file, engine, tmp_path / folder, few))
     assert reported(tmp_path / "1") == reported(tmp_path / "2")
     lines = list(csv.DictReader(io.StringIO(reported(tmp_path / "1")[0].decode())))
     by_encounter = {}

@@ -104,12 +104,12 @@ def droam(g, names, plane, printed, caps=None):
         if free(0.0) >= 0.0:
             turns.append(0.0)
             continue
-        grid = np.arange(0.0, 180.0 if plane == "hp" else 90.0 - sign * g["eu"], 0.25)
+        grid = np.arange(0.0, 180.0 if plane == "hp" else 90.0 - sign * g["eu"], 0.5)
         high = next((x for x in grid if free(sign * x) >= 0.0), None)
         if high is None:
             continue
-        low = high - 0.25
-        for _ in range(60):
+        low = high - 0.5
+        for _ in range(36):  # to 1e-11 deg
             middle = 0.5 * (low + high)
             low, high = (middle, high) if free(sign * middle) < 0.0 else (low, middle)
         turns.append(sign * high)

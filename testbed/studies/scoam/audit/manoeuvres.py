@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -20,7 +21,7 @@ from testbed.studies.scoam.audit.geometry import (
     turn,
 )
 from testbed.studies.scoam.audit.readings import CHAIN
-from vosc import ph
+from vosc import Obstacle, ph
 from vosc.encounter import cone_margin
 from vosc.vec import Vec, deflection, direction, norm, scale, sub
 
@@ -32,21 +33,40 @@ MAGNITUDES = tuple(0.5 + 0.1 * i for i in range(26))
 """Lengths of the end derivatives, in chords, over which an unprinted choice is varied."""
 
 
-def _freedom(case: Case, name: str) -> Callable[[Vec], float]:
-    """How far (deg) a direction lies outside everything it has to be outside of: exact cones, or with printed results the printed caps."""
-    if case.has(CHAIN):
-        caps = [rim(case, one) for one in OBSTACLES[name]]
-        return lambda d: min((deflection(axis, d) - half) / DEG for axis, half in caps)
-    speed, me = case["own.speed"], position(case, "own")
-    bodies = [seen(case, one) for one in OBSTACLES[name]]
-    return lambda d: min(cone_margin(me, scale(speed, d), body) / DEG for body in bodies)
+@dataclass(frozen=True)
+class _OutsideCaps:
+    """How far (deg) a direction lies outside the printed caps."""
+
+    caps: tuple[tuple[Vec, float], ...]
+
+    def __call__(self, d: Vec) -> float:
+        return min((deflection(axis, d) - half) / DEG for axis, half in self.caps)
+
+
+@dataclass(frozen=True)
+class _OutsideCones:
+    """How far (deg) a direction lies outside the exact cones."""
+
+    speed: float
+    me: Vec
+    bodies: tuple[Obstacle, ...]
+
+    def __call__(self, d: Vec) -> float:
+        return min(cone_margin(self.me, scale(self.speed, d), body) / DEG for body in self.bodies)
 
 
 def droam(case: Case, name: str, plane: str) -> list[Vec]:
     """Directions after the turn in azimuth (``hp``) or elevation (``vp``) that first leaves every cone; one for either side, if any."""
-    free = _freedom(case, name)
-    azimuth, elevation = case["own.az"], case["own.el"]
+    free: Callable[[Vec], float]
+    if case.has(CHAIN):
+        free = _OutsideCaps(tuple(rim(case, one) for one in OBSTACLES[name]))
+    else:
+        free = _OutsideCones(case["own.speed"], position(case, "own"), tuple(seen(case, one) for one in OBSTACLES[name]))
+    return list(_first_free(free, case["own.az"], case["own.el"], plane))
 
+
+@cache  # rows of one table, and roundings of numbers that a turn does not depend on, ask for the same turn again
+def _first_free(free: Callable[[Vec], float], azimuth: float, elevation: float, plane: str) -> tuple[Vec, ...]:
     def after(angle: float) -> Vec:
         return direction((azimuth + angle) * DEG, elevation * DEG) if plane == "hp" else direction(azimuth * DEG, (elevation + angle) * DEG)
 
@@ -62,7 +82,7 @@ def droam(case: Case, name: str, plane: str) -> list[Vec]:
             middle = 0.5 * (low + high)
             low, high = (middle, high) if free(after(side * middle)) < 0.0 else (low, middle)
         out.append(after(side * high))
-    return out
+    return tuple(out)
 
 
 def nearest(values: Sequence[float], printed: float) -> float:
@@ -87,8 +107,18 @@ def _join(p0: Vec, t0: Vec, p1: Vec, t1: Vec, magnitude: float) -> ph.Curve:
 
 def route(case: Case) -> ph.Curve:
     """The path P_s to P_f under the assumption ``route_tangents``."""
-    ends = [(case[f"route.{end}_x"], case[f"route.{end}_y"], case[f"route.{end}_z"]) for end in ("start", "goal")]
-    return _route(ends[0], ends[1])
+    return _route(*_route_ends(case))
+
+
+def _route_ends(case: Case) -> tuple[Vec, Vec]:
+    start, goal = ((case[f"route.{end}_x"], case[f"route.{end}_y"], case[f"route.{end}_z"]) for end in ("start", "goal"))
+    return start, goal
+
+
+@cache
+def _flown(start: Vec, goal: Vec, me: Vec) -> float:
+    """Length of the route to the point of it that is nearest, m."""
+    return float(_route(start, goal).nearest(np.array([me]))[0][0])
 
 
 @cache
@@ -111,8 +141,7 @@ def _through(case: Case, middle: Vec, new: Vec, magnitude: float) -> tuple[ph.Cu
 
 def path_length(case: Case, name: str, new: Vec, magnitude: float = 1.0) -> float:
     """Length P_s to P_f along the route to P_t and through Q_avo, m."""
-    flown = float(route(case).nearest(np.array([position(case, "own")]))[0][0])
-    return flown + sum(leg.length_m for leg in legs(case, name, new, magnitude))
+    return _flown(*_route_ends(case), position(case, "own")) + sum(leg.length_m for leg in legs(case, name, new, magnitude))
 
 
 def chord_length(case: Case, name: str) -> float:
