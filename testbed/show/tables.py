@@ -109,7 +109,7 @@ DECISION_FIELDS: Final = (
     ("obstacle's velocity", "m/s (deg)", False),
     ("alpha", "deg", False),
     ("alpha_0", "deg", False),
-    ("would miss by", "m", True),
+    ("would miss by", "m", False),
     ("in", "s", False),
     ("cap's centre", "deg", False),
     ("cap's half-angle", "deg", False),
@@ -118,7 +118,7 @@ DECISION_FIELDS: Final = (
     ("margin", "deg", False),
     ("insertion point", "m", False),
     ("insertion after", "s", False),
-    ("least radius of the path", "m", True),
+    ("least radius of the path", "m", False),
     ("bank it needs", "deg", False),
     ("load factor it needs", "g", True),
 )

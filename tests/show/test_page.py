@@ -163,6 +163,12 @@ def test_a_long_heading_wraps_within_its_column(browser: Any, four: tuple[list[R
     (tmp_path / "index.html").write_text(render_page(campaign(), rows, series, PROVENANCE), encoding="utf-8")
     page = browser.new_page()
     page.goto((tmp_path / "index.html").as_uri())
+    page.wait_for_selector("body[data-ready]", timeout=60_000)
+    page.locator("nav a", has_text="Flights").click()
+    page.wait_for_selector("#flights-explorer[data-ready]")
+    page.locator("#flights-explorer .columns summary").click()
+    page.locator("#flights-explorer .columns label", has_text="much_longer").click()
+    assert page.locator("#flights thead button", has_text="much_longer").count() == 1
     wide = page.evaluate("[...document.querySelectorAll('#flights thead button')].filter(b => b.scrollWidth > b.clientWidth + 1).length")
     page.close()
     assert wide == 0
@@ -350,6 +356,7 @@ def test_a_browser_draws_it_without_error_or_request(browser: Any, four: tuple[l
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")  # nothing sticks out sideways
         page.locator(".chip").first.click()
         assert page.locator(".chip").first.get_attribute("aria-pressed") == "false"
+        page.locator("nav a", has_text="Flights").click()
         page.locator("#flights thead button", has_text="least clearance").click()
         first = page.locator("#flights tbody tr").first.inner_text()
         assert "9.19" in first

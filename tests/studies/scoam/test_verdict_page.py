@@ -1,5 +1,6 @@
 """The verdict's part of the page: every claim is there, its numbers are the verdict's, nothing breaks when parts are missing."""
 
+import csv
 import math
 import re
 from collections.abc import Callable
@@ -18,7 +19,7 @@ from testbed.results.statistics import Effect, Spread
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
 from testbed.studies.scoam.claim import VERDICT_WORDS, Claim, Control, Rank, Step, Waterfall
-from testbed.studies.scoam.page import bars, detail, picture_data, quotable, render, table
+from testbed.studies.scoam.page import bars, detail, picture_data, quotable, reference, render, table
 from tests.show.test_page import NASTY, PROVENANCE, campaign, flight, parsed
 
 MakeRecord = Callable[..., FlightRecord]
@@ -120,6 +121,24 @@ def test_readings_of_a_number_stand_together_and_none_is_said_twice(verdict: Sim
         (True, "10.7 deg", "fails kinematically"),
     ]
     assert "the same as above" not in text_of(render(verdict, [], {}).html)
+
+
+def test_a_quick_run_is_read_beside_the_committed_one(verdict: SimpleNamespace) -> None:
+    with (Path(__file__).parents[3] / "reports" / "paper" / "verdict.csv").open(newline="", encoding="utf-8") as file:
+        committed = {line["key"]: line["word"] for line in csv.DictReader(file)}
+    same = [claim(key, word) for key, word in committed.items()]
+    assert reference.note(same) == ""
+    assert reference.same_as(same) == f"All {len(committed)} words are those of the committed reference."
+    other = {"words.single.safe": "too few to say", "words.overload": "holds"}
+    quick = [replace(one, word=other.get(one.key, one.word)) for one in same]
+    assert [one.key for one in quick if reference.other_word(one)] == [key for key in committed if key in other]
+    assert reference.same_as(quick) == ""
+    verdict.claims = tuple(quick)
+    text = text_of(render_page(campaign(), [], {}, PROVENANCE, head=render(verdict, [], {})))
+    assert f"2 of {len(committed)} words differ from the committed reference." in text
+    assert "1 is withheld here, for want of flights or draws; 1 says something else: Section 5.1, text of words.overload." in text
+    assert text.count("\N{NOT EQUAL TO} reference: ") == 2
+    assert f"\N{NOT EQUAL TO} reference: {committed['words.overload']}" in text
 
 
 def test_a_number_has_the_decimals_that_the_paper_prints(verdict: SimpleNamespace) -> None:

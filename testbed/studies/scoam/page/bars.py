@@ -68,12 +68,15 @@ def claim_svg(claim: Claim) -> Markup:
     rows.append(Interval("in wind and turbulence", air.p05, air.median, air.p95, note=f", n = {air.n}"))
     if sum(math.isfinite(row.middle) for row in rows) < 2:
         return Markup("")
-    level = (printed, f"printed: {claim.paper}") if math.isfinite(printed) else LEVELS.get(claim.unit, (0.0, "nothing"))
-    label = f"{claim.quantity}, {words.SHOWN_UNITS.get(claim.unit, claim.unit)}".removesuffix(", ") + f" (dashed: {level[1]})"
+    level = (printed, f"printed: {claim.paper}") if math.isfinite(printed) else LEVELS.get(claim.unit, (0.0, ""))
+    quantity = claim.quantity if len(claim.quantity) <= LONG else ""  # it stands beside the picture
+    label = ", ".join(filter(None, (quantity, words.SHOWN_UNITS.get(claim.unit, claim.unit))))
+    label += f" (dashed: {level[1]})" if level[1] else ""
     inside = claim.quantity == "least clearance"
     digits = max(paper_names.decimals(claim.paper), words.UNIT_DIGITS.get(claim.unit, 2))
     return intervals(rows, label, (level[0],), shade_below_zero=inside, digits=digits, line=level)
 
 
-LEVELS = {"times the limit": (1.0, "the limit"), "m": (0.0, "nothing"), "share": (0.0, "nothing")}
-"""With what the figures of a claim in words are compared, by their unit."""
+LEVELS = {"times the limit": (1.0, "the limit")}
+"""With what the figures of a claim in words are compared, by their unit; zero otherwise."""
+LONG = 44  # letters that fit below a picture

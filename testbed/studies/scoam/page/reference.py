@@ -81,7 +81,7 @@ def note(claims: Sequence[Claim]) -> Markup:
         return Markup()
     silent = [claim for claim in others if claim.word == TOO_FEW]
     loud = [claim for claim in others if claim.word != TOO_FEW]
-    parts = [f"{len(silent)} are withheld, because so few do not settle them"] if silent else []
+    parts = [f"{len(silent)} {'is' if len(silent) == 1 else 'are'} withheld here, for want of flights or draws"] if silent else []
     if loud:
         leading = [f"{claim.where}, {claim.text}" for claim in loud if "@" not in claim.key]
         named = "; ".join(leading[:MOST_NAMED]) or "single readings"
