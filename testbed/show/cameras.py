@@ -25,6 +25,10 @@ class Shot:
     axes: Array
     height_m: Array
 
+    def some(self, rows: Array) -> "Shot":
+        """At some of the rows."""
+        return Shot(self.eye[rows], self.axes[rows], self.height_m[rows])
+
     def repeated(self, rows: int) -> "Shot":
         """A camera that stands still, so many times."""
         return Shot(*(np.repeat(part[:1], rows, axis=0) for part in (self.eye, self.axes, self.height_m)))

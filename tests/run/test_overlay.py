@@ -16,7 +16,12 @@ seed: 5
 route: {start_enu_m: [0, 0, 0], goal_enu_m: [500, 200, 100], start_direction_deg: [40.87, 26.13], goal_direction_deg: [10.00, 2.84]}
 begin: {climb_at_most_deg: 18}
 obstacles:
-  - {name: O, radius_m: 25, position_enu_m: [254, 63.6, 60.7], speed_mps: 40, direction_deg: [106, 12.4], when: {own_reaches_enu_m: [162, 101, 64.3]}}
+  - name: O
+    radius_m: 25
+    position_enu_m: [254, 63.6, 60.7]
+    speed_mps: 40
+    direction_deg: [106, 12.4]
+    when: {own_reaches_enu_m: [162, 101, 64.3]}
 recordings: none
 sweep:
   method.kind: [none, scoam]

@@ -89,7 +89,9 @@ def test_two_caps_corners_and_the_chosen_point_are_the_librarys():
     given = np.array(shown["K(y_k)"]) - OWN.pos_m
     assert given[1] == pytest.approx(0.0)  # the printed y_k is that of P_t
     assert np.linalg.norm(given) == pytest.approx(50.0)
-    assert min(abs(given @ (middle := 0.5 * (g.nearest_mps + g.farthest_mps)) - middle @ middle) for g in caps) == pytest.approx(0.0, abs=1e-6)
+    assert min(abs(given @ (middle := 0.5 * (g.nearest_mps + g.farthest_mps)) - middle @ middle) for g in caps) == pytest.approx(
+        0.0, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize(("number", "bodies"), [(11, [ONE]), (14, [FIRST, SECOND])])
