@@ -103,7 +103,7 @@ def velocity_space(heading: Array, speed_mps: float, rows: int) -> Shot:
     forward = _unit(heading)
     aside = np.array([forward[1], -forward[0], 0.0])
     target = speed_mps * (0.35 * forward + 0.2 * aside - 0.15 * UP)
-    way = speed_mps * (1.7 * forward + 1.9 * aside + 0.9 * UP)
+    way = speed_mps * (1.55 * forward + 2.5 * aside + 1.1 * UP)
     return fixed(target, _unit(way), float(_height(np.linalg.norm(way[None], axis=1))[0]), rows)
 
 
