@@ -25,6 +25,10 @@ class Shot:
     axes: Array
     height_m: Array
 
+    def some(self, rows: Array) -> "Shot":
+        """At some of the rows."""
+        return Shot(self.eye[rows], self.axes[rows], self.height_m[rows])
+
     def repeated(self, rows: int) -> "Shot":
         """A camera that stands still, so many times."""
         return Shot(*(np.repeat(part[:1], rows, axis=0) for part in (self.eye, self.axes, self.height_m)))
@@ -99,7 +103,7 @@ def velocity_space(heading: Array, speed_mps: float, rows: int) -> Shot:
     forward = _unit(heading)
     aside = np.array([forward[1], -forward[0], 0.0])
     target = speed_mps * (0.35 * forward + 0.2 * aside - 0.15 * UP)
-    way = speed_mps * (1.7 * forward + 1.9 * aside + 0.9 * UP)
+    way = speed_mps * (1.55 * forward + 2.5 * aside + 1.1 * UP)
     return fixed(target, _unit(way), float(_height(np.linalg.norm(way[None], axis=1))[0]), rows)
 
 

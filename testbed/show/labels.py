@@ -1,5 +1,6 @@
 """Texts in a picture that do not cover one another. Sizes and places are in heights of the picture, right and up from its middle."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -17,14 +18,14 @@ class Sheet:
     pixels: float = 480.0
     edge: Array = field(default_factory=lambda: EDGE)
 
-    def size(self, text: str) -> Array:
+    def size(self, text: str) -> tuple[float, float]:
         """Width and height that a text takes, its frame included."""
         lines = text.split("\n")
-        return np.array([LETTER * (max(map(len, lines)) + 2.5), LINE * len(lines)]) / self.pixels
+        return LETTER * (max(map(len, lines)) + 2.5) / self.pixels, LINE * len(lines) / self.pixels
 
     def sizes(self, texts: Sequence[str]) -> Array:
         """(m, 2)."""
-        return np.array([self.size(text) for text in texts])
+        return np.array([self.size(text) for text in texts]).reshape(-1, 2)
 
     def within(self, wanted: Array, sizes: Array) -> Array:
         """Places (m, 2) moved into the picture."""
@@ -36,23 +37,24 @@ def spread(wanted: Array, sizes: Array, top: float = EDGE[1]) -> Array:
     """Places (m, 2) for texts of ``sizes`` (m, 2), as near as may be to where they are ``wanted``: only ever moved up or down, and not
     past the picture's ``top`` and bottom as long as there is room.
 
-    The first has its way, each other one gives way to those before it.
+    The first has its way, each other one gives way to those before it. In plain numbers: it is called for every instant of a flight.
     """
-    placed = np.array(wanted, float)
-    for k in range(1, len(placed)):
-        placed[k] = _free(placed[k], sizes[k], placed[:k], sizes[:k], top)
-    return placed
+    placed: list[tuple[float, float, float, float]] = []
+    for (x, y), (width, height) in zip(wanted.tolist(), sizes.tolist(), strict=True):
+        # heights that are taken where this text stands: middle, and how far from it this text's middle has to be
+        taken = [(v, 0.5 * (h + height)) for u, v, w, h in placed if abs(u - x) < 0.5 * (w + width)]
+        placed.append((x, _free(y, taken, top - 0.5 * height), width, height))
+    return np.array([place[:2] for place in placed]).reshape(-1, 2)
 
 
-def _free(want: Array, own: Array, others: Array, sizes: Array, top: float) -> Array:
-    """The nearest place above or below ``want`` that overlaps none of the others."""
-    room = 0.5 * (sizes + own)
-    level = np.abs(others[:, 0] - want[0]) < room[:, 0]  # those that are in its way up or down
-    tries = [0.0, *(others[level, 1] + room[level, 1] - want[1]), *(others[level, 1] - room[level, 1] - want[1])]
-    for shift in sorted(tries, key=lambda shift: (abs(want[1] + shift) > top - 0.5 * own[1] + 1e-9, abs(shift))):
-        if not np.any(level & (np.abs(others[:, 1] - want[1] - shift) < room[:, 1] - 1e-9)):
-            return want + np.array([0.0, shift])
-    return want
+def _free(want: float, taken: list[tuple[float, float]], top: float) -> float:
+    """The nearest height that is not taken."""
+    best, cost = want, (True, math.inf)
+    for y in (want, *(v + side * room for v, room in taken for side in (1.0, -1.0))):
+        how = (abs(y) > top + 1e-9, abs(y - want))
+        if how < cost and all(abs(y - v) > room - 1e-9 for v, room in taken):
+            best, cost = y, how
+    return best
 
 
 def overlaps(places: Array, sizes: Array) -> bool:

@@ -149,15 +149,16 @@ def test_words_and_line_in_the_picture_tell_the_clearance_of_the_record(flown: t
     record, path = flown
     clearance, own = record.columns["obstacle.O.clearance_m"], record.columns["own.pos_enu_m"]
     line, words = read(path, "/world/clearance"), read(path, "/world/close/words/own")
-    rows = np.rint(seconds(line["sim_time"]) * 120).astype(int)
+    for k, row in enumerate(np.rint(seconds(line["sim_time"]) * 120).astype(int)):
+        first, way = np.array(line["origins"][k][0]), np.array(line["vectors"][k][0])
+        assert first == pytest.approx(own[row], abs=1e-3)
+        assert np.linalg.norm(first + way - record.columns["obstacle.O.pos_enu_m"][row]) == pytest.approx(25.0, abs=1e-3)
+        assert (line["colors"][k] == [0xFF4B4BFF]) == (clearance[row] < 0.0)
+    rows = np.rint(seconds(words["sim_time"]) * 120).astype(int)
     assert inside_somewhere(clearance[rows])
     for k, row in enumerate(rows):
-        first, last = np.array(line["strips"][k][0])
-        assert first == pytest.approx(own[row], abs=1e-3)
-        assert np.linalg.norm(last - record.columns["obstacle.O.pos_enu_m"][row]) == pytest.approx(25.0, abs=1e-3)
         assert words["labels"][k] == [f"{abs(clearance[row]):.1f} m {'inside' if clearance[row] < 0 else 'clear of'} O"]
-        red = words["colors"][k] == line["colors"][k] == [0xFF4B4BFF]
-        assert red == (clearance[row] < 0.0)
+        assert (words["colors"][k] == [0xFF4B4BFF]) == (clearance[row] < 0.0)
 
 
 def inside_somewhere(clearance: np.ndarray) -> bool:

@@ -12,11 +12,11 @@ from testbed.show.cameras import ASPECT, FOV_DEG, Shot, chase, close_up
 from testbed.show.encounter import Window, to_surface
 from testbed.show.palette import rgba
 from testbed.show.recording.scene import SCENE_HZ, log_arrow, log_label
-from testbed.show.recording.timeline import Clock, thinned
+from testbed.show.recording.timeline import TICK_S, Clock, thinned
 from testbed.show.words import number
 
 Array = np.ndarray
-STREAK_HZ = 20.0
+WORDS_HZ, STREAK_HZ, OUTSIDE_HZ = 20.0, 20.0, 5.0
 ARROW = 0.3  # an arrow at the aircraft has this share of the picture's height at the set speed
 ROOM = np.array([0.22, 0.09])  # how far a text is from what it is about, in heights of the picture: texts are wider than they are high
 SHEET = labels.Sheet()
@@ -40,7 +40,7 @@ def filmed(record: FlightRecord, window: Window, rows: Array, span_m: float) -> 
     """The flight as the cameras see it; None while the obstacle is nowhere."""
     columns, name = record.columns, window.obstacle
     centre = columns[f"obstacle.{name}.pos_enu_m"]
-    rows = thinned(rows[np.isfinite(centre[rows]).all(axis=1)], SCENE_HZ, record.plan.rates.plant_hz)
+    rows = _denser_inside(rows[np.isfinite(centre[rows]).all(axis=1)], record, window)
     if not len(rows):
         return None
     radius_m = next(spec.radius_m for spec in record.plan.obstacles if spec.name == name)
@@ -54,14 +54,21 @@ def filmed(record: FlightRecord, window: Window, rows: Array, span_m: float) -> 
     return Film(time_s, own, vel, gap, clearance, None if airflow.is_calm(wind) else wind, shots)
 
 
+def _denser_inside(rows: Array, record: FlightRecord, window: Window) -> Array:
+    """Rows of the encounter as often as anything is pictured; before and after it as often as is needed to find it."""
+    hz, time_s = record.plan.rates.plant_hz, record.columns["time_s"]
+    within = (time_s[rows] >= window.begin_s - TICK_S) & (time_s[rows] <= window.end_s + TICK_S)
+    parts = [thinned(rows[within], SCENE_HZ, hz), *(thinned(part, OUTSIDE_HZ, hz) for part in (rows[~within],) if len(part))]
+    return np.unique(np.concatenate(parts))
+
+
 def log(clock: Clock, record: FlightRecord, film: Film, name: str, span_m: float) -> None:
     """Cameras, clearance, wind and words."""
     for camera, shot in film.shots.items():
         log_camera(clock, f"world/camera/{camera}", film.time_s, shot)
-    ways = np.stack([film.own, film.own + film.gap], axis=1)
     colours = alarm(film.clearance_m)
-    clock.static("world/clearance", rr.LineStrips3D.from_fields(radii=rr.Radius.ui_points(1.5)))
-    clock.send("world/clearance", film.time_s, lambda k: rr.LineStrips3D.columns(strips=list(ways[k]), colors=colours[k]))
+    clock.static("world/clearance", rr.Arrows3D.from_fields(radii=rr.Radius.ui_points(1.5)))
+    clock.send("world/clearance", film.time_s, lambda k: rr.Arrows3D.columns(origins=film.own[k], vectors=film.gap[k], colors=colours[k]))
     for view, shot in film.shots.items():
         _log_arrows(clock, view, film, ARROW * shot.height_m / record.plan.speed_mps)
     if film.wind is not None:
@@ -98,14 +105,25 @@ def _log_arrows(clock: Clock, view: str, film: Film, seconds: Array) -> None:
 
 def _log_streaks(clock: Clock, film: Film, wind: Array, span_m: float) -> None:
     """Streaks of air round the aircraft."""
-    rows = thinned(np.arange(len(film.time_s)), STREAK_HZ, SCENE_HZ)
-    streaks = airflow.streaks(film.time_s[rows], film.own[rows], wind[rows], STREAK_BOX * span_m)
-    clock.static("world/streaks", rr.LineStrips3D.from_fields(colors=rgba(palette.AIR), radii=rr.Radius.ui_points(0.6)))
+    rows = _slower(film.time_s, STREAK_HZ)
+    tails, heads = np.moveaxis(airflow.streaks(film.time_s, film.own, wind, STREAK_BOX * span_m), 2, 0)[:, rows]
+    clock.static("world/streaks", rr.Arrows3D.from_fields(colors=rgba(palette.AIR), radii=rr.Radius.ui_points(0.6)))
 
     def build(k: Array) -> rr.ComponentColumnList:
-        return rr.LineStrips3D.columns(strips=[strip for row in k for strip in streaks[row]]).partition([airflow.COUNT] * len(k))
+        origins, vectors = tails[k].reshape(-1, 3), (heads[k] - tails[k]).reshape(-1, 3)
+        return rr.Arrows3D.columns(origins=origins, vectors=vectors).partition([airflow.COUNT] * len(k))
 
     clock.send("world/streaks", film.time_s[rows], build)
+
+
+def _slower(time_s: Array, hz: float) -> Array:
+    """Some of the rows: at least so long after one another; those that are farther apart all."""
+    chosen, last = [], -np.inf
+    for row, t in enumerate(time_s):
+        if t - last > 1.0 / hz - TICK_S:
+            chosen.append(row)
+            last = t
+    return np.array(chosen)
 
 
 def _log_words(clock: Clock, record: FlightRecord, film: Film, name: str) -> None:
@@ -171,6 +189,12 @@ def _directions(film: Film) -> tuple[Array, Array]:
 
 def log_words(clock: Clock, entity: str, time_s: Array, shot: Shot, texts: list[Text]) -> None:
     """Texts in the picture of a camera, none over another."""
+    rows = _slower(time_s, WORDS_HZ)
+    time_s, shot = time_s[rows], shot.some(rows)
+    texts = [
+        (name, about[rows], off if off.ndim == 1 else off[rows], [said[row] for row in rows], colours[rows])
+        for name, about, off, said, colours in texts
+    ]
     places = places_of(shot, texts, SHEET)
     for number_of, (name, _, _, said, colours) in enumerate(texts):
         log_label(clock, f"{entity}/{name}", time_s, shot.at(places[:, number_of]), said, colours)

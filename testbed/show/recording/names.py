@@ -11,6 +11,7 @@ from testbed.show.palette import dimmed, rgba
 from testbed.show.recording.timeline import Clock
 
 Array = np.ndarray
+OUTSIDE = (0.9, 0.44)  # what is out of the picture has no name in it
 FAR = 0.06  # a name that had to give way by more has a line to its place, in heights of the picture
 HZ = 10.0  # names follow so often: finding a place for them costs more than all the rest
 
@@ -30,7 +31,7 @@ class Names:
         """Write them all."""
         rows = self._rows
         seen = [self._shot.seen(places[rows]) - [0.0, below] for *_, places, below in self._all]
-        there = [np.isfinite(places[rows]).all(axis=1) for *_, places, _ in self._all]
+        there = [(np.abs(at) < OUTSIDE).all(axis=1) for at in seen]  # NaN is not
         placed = [np.full((len(rows), 2), np.nan) for _ in self._all]
         sheet = labels.Sheet()
         for k in range(len(rows)):
