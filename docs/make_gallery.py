@@ -36,6 +36,7 @@ FRAMES_PER_S, SLOWER = 12, 2.0  # of the film, and how much slower than flown it
 FILM_MS = -700, 2600  # from and to which instant; 0 is the decision
 MOST_BYTES, MOST_FILM_BYTES = 1_500_000, 2_000_000
 NO_BAR = "nav { display: none !important; }"  # it stays on top of the window, and so of a part that is taller
+PATIENCE_MS = 180_000  # with a page that is drawn in software
 SETTLED_S = 4.0  # what the viewer takes to load and draw, in software, at most
 
 EXAMPLE = ("run", "campaigns/paper_single.yaml")
@@ -46,7 +47,7 @@ RUNG_SWEEP = (
     "method.kind: [none, scoam], plant.kind: [kinematic, point_mass, jsbsim]}"
 )
 WIND_SWEEP = (
-    "sweep={air.wind.speed_mps: [0, 4, 8, 12], air.wind.from_deg: [0, 45, 90, 135, 180, 225, 270, 315], "
+    "sweep={air.wind.speed_mps: [0, 3, 6, 9, 12, 15], air.wind.from_deg: [0, 60, 120, 180, 240, 300], "
     "method.kind: [scoam, droam_hp], plant.kind: [kinematic, jsbsim]}"
 )
 
@@ -105,7 +106,8 @@ class Stage:
     @contextmanager
     def page(self, file: Path, wide: int, high: int) -> Iterator[Any]:
         """A page of ours, when it has drawn itself."""
-        page = self.browser.new_page(viewport={"width": wide, "height": high})
+        page = self.browser.new_page(viewport={"width": wide, "height": high}, reduced_motion="reduce")  # it stands still to be pictured
+        page.set_default_timeout(PATIENCE_MS)
         page.goto(file.resolve().as_uri())
         page.wait_for_timeout(2500)
         yield page

@@ -35,7 +35,8 @@ class _WithPlugged(PlainGroup):
         with contextlib.suppress(registry.UnknownPartError, plugins.PluginError):
             command = registry.part("command", cmd_name)
             plugged = PlainTyper(pretty_exceptions_enable=False, add_completion=False)
-            plugged.command(cmd_name, epilog=examples(*getattr(command, "examples", (f"testbed {cmd_name} --help",))))(_printing(command))
+            said = getattr(command, "examples", ())
+            plugged.command(cmd_name, epilog=examples(*said) if said else None)(_printing(command))
             return typer.main.get_command(plugged)
         return None
 
