@@ -7,8 +7,8 @@ straight to it. An obstacle adds one where the plan without it would enter its s
 comes closest, at the time of that approach. All of it is found anew at every step: of an optimum the rest is an optimum.
 
 Ours: obstacles that move; which of several add conditions (the first that the plan so far enters, up to four); side and time are those of
-the plan with the condition, found in a few rounds. Places and velocities over the ground: a wind does not enter, because nothing in
-x'' = a does.
+the plan before it was added. Places and velocities over the ground, so that the goal is met in a wind; the acceleration is across the
+velocity through the air, so that none of the effort is asked of the engine.
 """
 
 import math
@@ -29,7 +29,6 @@ from vosc.vec import along, cross, dot, norm, perpendicular, right_of, sub, unit
 
 GOAL_AT_S = 1.0  # a goal that is nearer than this has been come to
 MOST_SPHERES = 4
-ROUNDS = 2
 NEAR_CENTRE = 0.2  # of the radius: a plan that passes nearer to the centre does not say on which side
 LOOKED_AT = np.linspace(0.0, 1.0, 41)  # shares of the time that a plan is looked ahead
 NOWHERE: Mapping[str, Vec3] = {}
@@ -54,10 +53,11 @@ class MinimumEffort:
     def steer(self, memory: Memory, time_s: float, own: State, seen: Sequence[Seen]) -> tuple[Memory, Steer]:
         pos, vel = (own.x, own.y, own.z), (own.vx, own.vy, own.vz)
         replan, goal = memory.setting.replan, memory.setting.context.goal
-        plan, lasts_s = Plan(pos, vel), replan.horizon_s
+        ahead, lasts_s = unit(memory.setting.own(time_s, own)[0].vel_mps), replan.horizon_s
+        plan = Plan(pos, vel, ahead)
         if self._then == "goal" and math.dist(goal, pos) > GOAL_AT_S * norm(vel) > 0.0:
             due_s = math.dist(goal, pos) / norm(vel)
-            plan, lasts_s = Plan(pos, vel, to_goal(pos, vel, goal, due_s)), min(lasts_s, due_s)
+            plan, lasts_s = Plan(pos, vel, ahead, to_goal(pos, vel, goal, due_s)), min(lasts_s, due_s)
         spheres = [Sphere(one, time_s, replan.swell_m, lasts_s) for one in seen]
         plan, sides = round_spheres(spheres, plan, memory.sides)
         return Memory(memory.setting, sides), Steer(limited(plan.acceleration(), self._most))
@@ -106,8 +106,7 @@ def round_spheres(spheres: Sequence[Sphere], plan: Plan, before: Mapping[str, Ve
         if not ahead:
             break
         entered.append(spheres[min(ahead)[1]])
-        for _ in range(ROUNDS):  # side and time depend on the plan, and the plan on them
-            found = [sphere.passed(plan, sides.get(sphere.name, before.get(sphere.name))) for sphere in entered]
-            sides = {sphere.name: condition.way for sphere, condition in zip(entered, found, strict=True)}
-            plan = Plan(plan.pos, plan.vel, (*last, *found))
+        found = [sphere.passed(plan, before.get(sphere.name)) for sphere in entered]
+        sides = {sphere.name: condition.way for sphere, condition in zip(entered, found, strict=True)}
+        plan = Plan(plan.pos, plan.vel, plan.ahead, (*last, *found))
     return plan, sides
