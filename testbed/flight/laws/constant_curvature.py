@@ -7,8 +7,8 @@ the flight is straight.
 
 A turn by chi in a time T, at the rate chi / T, leads from the velocity u to u' and over T (sin(chi) / chi u + (1 - cos(chi)) / chi m x u),
 m the axis of the turn. What is solved for is the least chi after which the straight lines of aircraft and obstacle miss each other by the
-radius. T is a share of the time to the closest approach: that choice of the curvature is ours. It is solved once for each threat; the
-curvature is then kept until the relative velocity leaves the cone, sooner or later than T for an aircraft that lags.
+radius. T is a share of the time to the closest approach: that choice of the curvature is ours. It is solved when a
+threat is first answered; the curvature is then kept until the relative velocity leaves the cone, later than T for an aircraft that lags.
 """
 
 import math
@@ -48,7 +48,7 @@ class ConstantCurvature:
     def steer(self, memory: Memory, time_s: float, own: State, seen: Sequence[Seen]) -> tuple[Memory, Steer]:
         meeting = imminent(memory.setting, time_s, own, seen)
         if meeting is None:
-            return memory, Steer(STILL)
+            return memory._replace(name=""), Steer(STILL)
         if meeting.name != memory.name:
             memory = memory._replace(name=meeting.name, turn_rad_s=self._turn(meeting))
         return memory, Steer(cross(memory.turn_rad_s, meeting.air_mps))

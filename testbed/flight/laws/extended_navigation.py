@@ -62,7 +62,7 @@ class ExtendedNavigation:
     def steer(self, memory: Memory, time_s: float, own: State, seen: Sequence[Seen]) -> tuple[Memory, Steer]:
         meeting = imminent(memory.setting, time_s, own, seen)
         if meeting is None:
-            return memory, Steer(STILL)
+            return memory._replace(name=""), Steer(STILL)
         again = meeting.name == memory.name
         plane = memory.plane if again else larger_component(meeting.relative_mps) if self._plane == "larger" else self._plane
         shown, only = in_plane(meeting, plane)
