@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+from collections import ChainMap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -27,14 +28,14 @@ PACKAGE = "=="
 
 @dataclass(frozen=True)
 class Family:
-    """One plug point. ``table`` is where its built-in parts stand; ``given`` how many parameters of a part are no options.
+    """One plug point. ``tables`` is where its built-in parts stand; ``given`` how many parameters of a part are no options.
 
     ``given_to_class`` is the same for a part that is a class, where that differs.
     """
 
     name: str
     plural: str
-    table: str
+    tables: tuple[str, ...]
     given: int
     given_to_class: int | None = None
 
@@ -44,17 +45,20 @@ class Family:
         return f"testbed.{self.plural}"
 
 
+METHOD_TABLES = ("vosc.methods:METHODS", "testbed.flight.laws:LAWS")
+"""Directions, and laws over time."""
+
 FAMILIES: dict[str, Family] = {
     family.name: family
     for family in (
-        Family("method", "methods", "vosc.methods:METHODS", given=2, given_to_class=0),  # own, obstacles; a law over time
-        Family("planner", "planners", "testbed.flight.planning:PLANNERS", given=0),
-        Family("guidance", "guidance", "testbed.flight.guidance:GUIDANCE", given=1),  # its setting: aircraft, speed, step
-        Family("plant", "plants", "testbed.flight.plants:PLANTS", given=1),  # its setting: aircraft, start, scene, rates
-        Family("sensor", "sensors", "testbed.flight.sensing:SENSORS", given=0),
-        Family("traffic", "traffic", "testbed.flight.traffic:TRACKS", given=1),  # the obstacle's setting
-        Family("study", "studies", "testbed.studies:STUDIES", given=0),
-        Family("command", "commands", "testbed.studies:COMMANDS", given=0),  # of `testbed`; what it returns are lines to print
+        Family("method", "methods", METHOD_TABLES, given=2, given_to_class=0),  # own, obstacles; a law over time
+        Family("planner", "planners", ("testbed.flight.planning:PLANNERS",), given=0),
+        Family("guidance", "guidance", ("testbed.flight.guidance:GUIDANCE",), given=1),  # its setting: aircraft, speed, step
+        Family("plant", "plants", ("testbed.flight.plants:PLANTS",), given=1),  # its setting: aircraft, start, scene, rates
+        Family("sensor", "sensors", ("testbed.flight.sensing:SENSORS",), given=0),
+        Family("traffic", "traffic", ("testbed.flight.traffic:TRACKS",), given=1),  # the obstacle's setting
+        Family("study", "studies", ("testbed.studies:STUDIES",), given=0),
+        Family("command", "commands", ("testbed.studies:COMMANDS",), given=0),  # of `testbed`; what it returns are lines to print
     )
 }
 
@@ -119,8 +123,7 @@ def once_said() -> Mapping[str, Any]:
 
 @cache
 def _built_in(family: str) -> Mapping[str, Any]:
-    table: Mapping[str, Any] = _imported(FAMILIES[family].table)
-    return table
+    return ChainMap(*(_imported(table) for table in reversed(FAMILIES[family].tables)))  # which lists the last of its maps first
 
 
 @cache

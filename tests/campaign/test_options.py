@@ -23,6 +23,7 @@ obstacles:
 plant: {kind: kinematic}
 """  # noqa: E501 (one obstacle, one line)
 
+SHARED = {"spare_m": (5.0, -1.0), "most_mps2": (15.0, 0.0)}  # by the laws over time
 METHODS: dict[str, dict[str, Any]] = {  # every option of every method: a value other than its default, and one that it refuses
     "scoam": {
         "boundary": ("exact", "nearly"),
@@ -48,6 +49,12 @@ METHODS: dict[str, dict[str, Any]] = {  # every option of every method: a value 
     "tangent_lyapunov": {"standoff": (1.5, 0.5)},
     "interfered_fluid": {"rho": (2.0, 0.0), "sigma": (2.0, 100.0)},
     "orca": {"responsibility": (0.5, 1.5), "horizon_s": (20.0, 0.0), "keep_speed": (False, 0)},
+    "geometric_guidance": {"form": ("differential", "linear"), "gain_1ps": (4.0, 0.0), **SHARED},
+    "proportional_navigation": {"gain": (4.0, 1.0), "plane": ("free", "slanted"), **SHARED},
+    "constant_curvature": {"share": (0.7, 1.0), **SHARED},
+    "extended_navigation": {"gain": (3.0, 1.0), "decay_1ps": (4.0, 0.0), "plane": ("larger", "free"), **SHARED},
+    "minimum_effort": {"then": ("nothing", "home"), **SHARED},
+    "field_guidance": {"gain": (2.0, 0.0), "reach": (6.0, -1.0), "pull_mps2": (10.0, 0.0), **SHARED},
 }
 BESIDE: dict[tuple[str, str], dict[str, Any]] = {
     ("scoam", "goal"): {"objective": "goal"},
@@ -59,7 +66,8 @@ CASES = [(method, name) for method, of_method in METHODS.items() for name in of_
 
 
 def declared(method: str) -> type[BaseModel]:
-    return options.model_of(registry.part("method", method), registry.FAMILIES["method"].given)
+    part = registry.part("method", method)
+    return options.model_of(part, registry.given("method", part))
 
 
 def problem(tmp_path: Path, method: str, written: str) -> str:

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from testbed.flight.laws import LAWS
 from testbed.flight.record import Outcome
 from testbed.show import words
 from testbed.studies.scoam.verdict import csv_words
@@ -69,7 +70,12 @@ def test_lists(names: list[str], text: str) -> None:
 
 def test_every_outcome_and_method_is_told_without_underscores() -> None:
     assert set(words.OUTCOME_NAMES) == set(Outcome)
-    told = [*map(words.outcome, Outcome), *map(words.outcome_told, Outcome), *map(words.method, METHODS), words.outcome("not_found")]
+    told = [
+        *map(words.outcome, Outcome),
+        *map(words.outcome_told, Outcome),
+        *map(words.method, [*METHODS, *LAWS]),
+        words.outcome("not_found"),
+    ]
     assert not [text for text in told if "_" in text or not text]
     assert words.outcomes({"hit_ground": 1, "reached": 7, "not_found": 2}) == "7 reached the goal, 1 hit the ground, 2 not found"
     assert words.outcome_told("collided") == "collided: came closer than the obstacle's radius"

@@ -6,7 +6,7 @@ to show.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from vosc.encounter import Obstacle, Own, threatening
 from vosc.errors import WrongOption
@@ -26,12 +26,22 @@ def potential_field(
     """
     if not (0.0 < gain < math.inf and 0.0 < reach < math.inf):
         raise WrongOption(f"gain, reach: give numbers above 0, got {gain}, {reach}")
-    force: Vec = unit(own.vel_mps if goal is None else three("goal", goal))
-    for o in threatening(obstacles):
-        away = sub(own.pos_m, o.pos_m)
+    attraction = unit(own.vel_mps if goal is None else three("goal", goal))
+    found = force(own.pos_m, attraction, [(o.pos_m, o.radius_m) for o in threatening(obstacles)], gain, reach)
+    size = norm(found)
+    return Choice(scale(norm(own.vel_mps) / size, found), Status.AVOIDED) if size > 1e-9 else undefined(own)
+
+
+def force(pos: Vec, attraction: Vec, spheres: Iterable[tuple[Vec, float]], gain: float, reach: float) -> Vec:
+    """The attraction and the repulsions of spheres (centre, radius), the slope down gain/2 rho0 (rho0/rho - 1)^2 each.
+
+    A sphere whose centre is here has no direction to repel in, and does not.
+    """
+    found = attraction
+    for centre, radius in spheres:
+        away = sub(pos, centre)
         distance = norm(away)
-        ratio = reach * o.radius_m / max(distance - o.radius_m, 1e-6 * o.radius_m)
-        if ratio > 1.0:
-            force = along(force, gain * (ratio - 1.0) * ratio * ratio / distance, away)
-    size = norm(force)
-    return Choice(scale(norm(own.vel_mps) / size, force), Status.AVOIDED) if size > 1e-9 else undefined(own)
+        ratio = reach * radius / max(distance - radius, 1e-6 * radius)
+        if ratio > 1.0 and distance > 0.0:
+            found = along(found, gain * (ratio - 1.0) * ratio * ratio / distance, away)
+    return found

@@ -18,6 +18,7 @@ from testbed.flight.sensing.base import Seen
 from vosc.vec import along, combine, dot, norm, scale, three, unit
 
 HELD_M = 600.0  # length of such a path: long enough that its end is not the goal
+STILL_MPS = 1e-3  # slower than that over the ground an aircraft has no direction
 WIDEST_COS = math.cos(85.0 * DEG)  # a direction further aside than this is turned to by way of it
 
 
@@ -46,7 +47,10 @@ def arc(answer: Steer, state: State, s_m: float) -> Arc:
     if not isinstance(answer, Steer) or (answer.acceleration_enu_mps2 is None) == (answer.velocity_enu_mps is None):
         raise ValueError(f"a law must return (memory, Steer) with an acceleration or a velocity, not {answer!r}")
     acceleration, wanted = answer
-    tangent, speed = unit(velocity), norm(velocity)
+    speed = norm(velocity)
+    if speed < STILL_MPS:  # nothing to turn
+        return Arc(pos, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), s_m, HELD_M)
+    tangent = unit(velocity)
     if acceleration is not None:
         pull = three("Steer.acceleration_enu_mps2", acceleration)
         across = along(pull, -dot(pull, tangent), tangent)
