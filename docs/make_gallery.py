@@ -22,8 +22,6 @@ from typing import Any
 from jinja2 import Environment
 from PIL import Image
 
-from testbed.show.assets import asset
-
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 PICTURES, PAGE = HERE / "gallery", HERE / "gallery.html"
@@ -53,6 +51,7 @@ WIND_SWEEP = (
 
 
 RUNS = {
+    "ladder": (*THREAT, "sweep={method.kind: [none, scoam], plant.kind: [kinematic, point_mass, jsbsim]}", "recordings=none"),
     "rungs": (*THREAT, RUNG_SWEEP, "recordings=all"),
     "winds": (*THREAT, "air.wind={kind: steady, speed_mps: 3, from_deg: 60}", WIND_SWEEP, "recordings=none"),
     "calm": ("recordings=none",),
@@ -252,8 +251,8 @@ FILM = Picture(
     "encounter",
     "The encounter moves in the page",
     "The flights of one encounter as ghosts in one scene, aligned at the decision: the point on rails keeps clear, the aircraft does not.",
-    (typed("rungs"), "testbed open rungs"),
-    film_of(lambda stage: _rungs(stage) / "index.html", "#ep", "#ep-at"),
+    (typed("ladder"), "testbed open ladder"),
+    film_of(lambda stage: stage.run("ladder", *RUNS["ladder"]) / "index.html", "#ep", "#ep-at"),
 )
 SIX = (
     Picture(
@@ -274,7 +273,7 @@ SIX = (
         "recording",
         "A recording, as it opens",
         "The aircraft at the encounter, what its planner has decided, and its clearance on a scale on which metres are seen.",
-        ("testbed open rungs FLIGHT",),
+        (typed("rungs"), "testbed open rungs FLIGHT"),
         viewed(_opening, 1.5),
     ),
     Picture(
@@ -310,12 +309,21 @@ HTML = """<!DOCTYPE html>
 <link rel="icon" href="data:,">
 <title>Gallery</title>
 <style>
-{{ css }}
-.gallery { max-width: 1100px; }
-.gallery figure { margin: 2.5rem 0 0; padding: 0; border: 0; break-inside: avoid; }
-.gallery figcaption { font-size: 1rem; margin: 0 0 .8rem; }
-.gallery img { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 10px; }
-.gallery code { display: block; white-space: pre-wrap; margin-top: .3rem; }
+:root { --paper: #ffffff; --panel: #f6f7f9; --line: #dfe3e8; --ink: #1b2026; --quiet: #5d6873; }
+@media (prefers-color-scheme: dark) { :root { --paper: #14181d; --panel: #1c2229; --line: #313a44; --ink: #e8ecf0; --quiet: #9aa6b2; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 1100px; padding: 2rem clamp(1rem, 3vw, 3rem) 4rem; background: var(--paper); color: var(--ink);
+  font: 16px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Liberation Sans", sans-serif; }
+h1 { font-size: clamp(1.5rem, 3vw, 2.2rem); line-height: 1.2; margin: 0 0 1rem; }
+h2 { font-size: 1.25rem; margin: 0 0 .4rem; }
+.kicker, .lead, figcaption { color: var(--quiet); }
+.kicker { font-weight: 600; margin: 0 0 .3rem; }
+figure { margin: 3rem 0 0; break-inside: avoid; }
+img { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 10px; }
+summary { cursor: pointer; margin: .5rem 0; }
+code { font: .85em ui-monospace, "DejaVu Sans Mono", monospace; background: var(--panel); border-radius: 4px; padding: .1em .35em;
+  overflow-wrap: anywhere; }
+details code { display: block; white-space: pre-wrap; margin-top: .3rem; padding: .3em .6em; }
 </style>
 </head>
 <body>
@@ -324,11 +332,16 @@ HTML = """<!DOCTYPE html>
   <h1>What it looks like</h1>
   <p class="lead">Pages and recordings as they are, and what to type for them. <code>make gallery</code> takes these pictures again.</p>
 </header>
-<main class="gallery">
+<main>
 {% for one in pictures %}
 <figure id="{{ one.name }}">
   <h2>{{ one.title }}</h2>
-  <figcaption>{{ one.says }}{% for command in one.commands %}<code>{{ command }}</code>{% endfor %}</figcaption>
+  <figcaption>{{ one.says }}
+  <details><summary>What to type for it</summary>
+  {% for command in one.commands %}
+  <code>{{ command }}</code>
+  {% endfor %}
+  </details></figcaption>
   <img src="gallery/{{ one.name }}.webp" alt="{{ one.title }}" loading="lazy">
 </figure>
 {% endfor %}
@@ -340,7 +353,7 @@ HTML = """<!DOCTYPE html>
 
 def page_text() -> str:
     """The gallery."""
-    return Environment(autoescape=True, trim_blocks=True).from_string(HTML).render(pictures=ALL, css=asset("page.css")) + "\n"
+    return Environment(autoescape=True, trim_blocks=True).from_string(HTML).render(pictures=ALL) + "\n"
 
 
 def save(picture: Picture, images: list[Image.Image]) -> None:

@@ -6,7 +6,7 @@ import pytest
 from scipy import stats
 
 from testbed.results import statistics
-from testbed.results.compare import Flight, NotComparableError, compare
+from testbed.results.compare import Flight, NotComparableError, compare, flight
 
 
 def flights(count, change=0.0, *, hit=(), **labels):
@@ -89,3 +89,15 @@ def test_what_cannot_be_paired_is_refused_with_the_reason():
     searched = [Flight("s", {"air": "calm"}, 0, "found", None, {"lead_s": 1.0})]
     with pytest.raises(NotComparableError, match="nothing alike"):
         compare(flights(1), searched)
+
+
+def test_searches_of_a_study_are_compared_by_their_own_figures():
+    def searched(*leads):
+        return [
+            flight({"flight_id": "s", "labels": {}, "replicate": k, "outcome": "found", "found": {"lead_s": lead, "grid_m": [1.0]}}, ())
+            for k, lead in enumerate(leads)
+        ]
+
+    (lead,) = compare(searched(1.0, 2.0, math.inf), searched(1.5, 2.5, 3.0)).differences  # of a list there is no difference
+    assert (lead.column.heading, lead.column.unit) == ("lead", "s")
+    assert (lead.effect.n, lead.effect.value) == (2, 0.5)  # none of what is infinite
