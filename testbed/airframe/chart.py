@@ -96,8 +96,9 @@ def _legend(lines: Sequence[Line]) -> Markup:
 
 def ticks(low: float, high: float, most: int) -> list[float]:
     """Round numbers that span a range: steps of 1, 2 or 5 times a power of ten, at most ``most`` of them or so."""
-    if not high > low:
-        low, high = low - 0.5, high + 0.5
+    about = max(1.0, abs(low), abs(high))
+    if not high - low > 1e-9 * about:  # one value, or rounding of it
+        low, high = low - 0.5 * about, high + 0.5 * about
     rough = (high - low) / most
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(size * power for size in (1.0, 2.0, 5.0, 10.0) if size * power >= rough * (1.0 - 1e-9))

@@ -13,6 +13,7 @@ from testbed.results.checks import CheckResult
 from testbed.results.flight_row import collided, keeps, met_obstacle, value
 from testbed.results.statistics import share_interval, spread
 from testbed.show import words
+from testbed.show.hero import check_answer
 
 Row = dict[str, Any]
 
@@ -116,7 +117,7 @@ class Tally:
 
     def answer(self, checks: Sequence[CheckResult] = ()) -> Answer:
         """What came out; of a check whether it passed."""
-        lines = [_checked(checks)] if checks else []
+        lines = [check_answer(checks)] if checks else []
         if self._methods:
             lines.append(f"Every radius was kept {_each(self._methods, 'with ')}.")
         if len(self._flyers) > 1 and len(self._methods) > 1:
@@ -126,13 +127,6 @@ class Tally:
             lines.append(_looked_at(*chosen, met=self._nearest is not None))
         bars = tuple(_bar(name, group) for name, group in list(self._bars.items())[:MOST_BARS])
         return Answer(tuple(lines[:3]), bars, flight=chosen[1]["flight_id"] if chosen else "")
-
-
-def _checked(checks: Sequence[CheckResult]) -> str:
-    missed = sum(not line.passed for line in checks)
-    if missed:
-        return f"Check missed: {missed} of {words.counted(len(checks), 'line')} out of tolerance."
-    return f"Check passed: {words.counted(len(checks), 'line')}, each within its tolerance."
 
 
 def _each(groups: dict[str, _Group], before: str) -> str:

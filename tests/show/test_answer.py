@@ -48,7 +48,7 @@ def test_without_an_obstacle_it_says_how_far_from_the_path():
 
 def test_a_check_says_whether_it_passed():
     checks = [CheckResult("radius", "m", 10.0, 10.1, 0.2), CheckResult("time", "s", 1.0, 3.0, 0.2)]
-    assert told([], checks[:1]).lines == ("Check passed: 1 line, each within its tolerance.",)
+    assert told([], checks[:1]).lines == ("Check passed: 1 line, each within its tolerance; the nearest to it uses 50 %.",)
     assert told([], checks).lines == ("Check missed: 1 of 2 lines out of tolerance.",)
 
 

@@ -12,25 +12,28 @@ from testbed.studies.scoam.claim import (
     HOLDS,
     HOLDS_ONLY_IF,
     NOT_DETERMINED,
+    TOO_FEW,
     VERDICT_WORDS,
     Claim,
 )
+from testbed.studies.scoam.page import top
+from testbed.studies.scoam.page.table import blocks
 from testbed.studies.scoam.verdict.judged import Verdict
 
-TONES: Final = {HOLDS: KEPT, HOLDS_ONLY_IF: UNSURE, FAILS_KINEMATICALLY: BAD, FAILS_WHEN_FLOWN: BAD, NOT_DETERMINED: ""}
-FIRST: Final = ("words.single.safe", "words.single.flyable")
-"""Keys of the claims that are told by themselves: that the new path is safe, and that it can be flown."""
+TONES: Final = {HOLDS: KEPT, HOLDS_ONLY_IF: UNSURE, FAILS_KINEMATICALLY: BAD, FAILS_WHEN_FLOWN: BAD, NOT_DETERMINED: "", TOO_FEW: ""}
+FLYABLE: Final = "words.single.flyable"
+"""The claim that is told by itself: that the new path can be flown. That it is safe leads."""
 
 
 def answer(verdict: Verdict) -> Answer:
-    """How many claims have which word, and the two that everything else rests on."""
+    """The sentence that leads the page, how many claims have which word, and whether the path can be flown."""
     count = Counter(claim.word for claim in verdict.claims)
     told = [f"{word} {count[word]}" for word in VERDICT_WORDS if count[word]]
-    first = [claim for key in FIRST for claim in verdict.claims if claim.key == key]
-    lines = [f"Of {words.counted(len(verdict.claims), 'claim')} of the paper: {', '.join(told)}."] if told else []
-    return Answer(
-        (*lines, *map(_told, first)), counted_bars((word, count[word], TONES[word]) for word in VERDICT_WORDS if count[word]), of="count"
-    )
+    lines = [top.answer(verdict.claims, blocks(verdict.claims))]
+    lines += [f"Of {words.counted(len(verdict.claims), 'claim')} of the paper: {', '.join(told)}."] if told else []
+    lines += [_told(claim) for claim in verdict.claims if claim.key == FLYABLE]
+    bars = counted_bars((word, count[word], TONES[word]) for word in VERDICT_WORDS if count[word])
+    return Answer(tuple(lines), bars, of="count")
 
 
 def _told(claim: Claim) -> str:
