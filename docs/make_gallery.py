@@ -24,7 +24,7 @@ from PIL import Image
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
-PICTURES, PAGE = HERE / "gallery", HERE / "gallery.html"
+PICTURES, PAGE, TEMPLATE = HERE / "gallery", HERE / "gallery.html", HERE / "gallery.html.j2"
 CHROMIUM = shutil.which("chromium")
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"]
 BESIDE = Path(sys.executable).parent
@@ -300,60 +300,10 @@ SIX = (
 )
 ALL = (FILM, *SIX)
 
-HTML = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<link rel="icon" href="data:,">
-<title>Gallery</title>
-<style>
-:root { --paper: #ffffff; --panel: #f6f7f9; --line: #dfe3e8; --ink: #1b2026; --quiet: #5d6873; }
-@media (prefers-color-scheme: dark) { :root { --paper: #14181d; --panel: #1c2229; --line: #313a44; --ink: #e8ecf0; --quiet: #9aa6b2; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 1100px; padding: 2rem clamp(1rem, 3vw, 3rem) 4rem; background: var(--paper); color: var(--ink);
-  font: 16px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Liberation Sans", sans-serif; }
-h1 { font-size: clamp(1.5rem, 3vw, 2.2rem); line-height: 1.2; margin: 0 0 1rem; }
-h2 { font-size: 1.25rem; margin: 0 0 .4rem; }
-.kicker, .lead, figcaption { color: var(--quiet); }
-.kicker { font-weight: 600; margin: 0 0 .3rem; }
-figure { margin: 3rem 0 0; break-inside: avoid; }
-img { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 10px; }
-summary { cursor: pointer; margin: .5rem 0; }
-code { font: .85em ui-monospace, "DejaVu Sans Mono", monospace; background: var(--panel); border-radius: 4px; padding: .1em .35em;
-  overflow-wrap: anywhere; }
-details code { display: block; white-space: pre-wrap; margin-top: .3rem; padding: .3em .6em; }
-</style>
-</head>
-<body>
-<header>
-  <p class="kicker">vosc-testbed</p>
-  <h1>What it looks like</h1>
-  <p class="lead">Pages and recordings as they are, and what to type for them. <code>make gallery</code> takes these pictures again.</p>
-</header>
-<main>
-{% for one in pictures %}
-<figure id="{{ one.name }}">
-  <h2>{{ one.title }}</h2>
-  <figcaption>{{ one.says }}
-  <details><summary>What to type for it</summary>
-  {% for command in one.commands %}
-  <code>{{ command }}</code>
-  {% endfor %}
-  </details></figcaption>
-  <img src="gallery/{{ one.name }}.webp" alt="{{ one.title }}" loading="lazy">
-</figure>
-{% endfor %}
-</main>
-</body>
-</html>
-"""
-
 
 def page_text() -> str:
     """The gallery."""
-    return Environment(autoescape=True, trim_blocks=True).from_string(HTML).render(pictures=ALL) + "\n"
+    return Environment(autoescape=True, trim_blocks=True).from_string(TEMPLATE.read_text(encoding="utf-8")).render(pictures=ALL) + "\n"
 
 
 def save(picture: Picture, images: list[Image.Image]) -> None:
