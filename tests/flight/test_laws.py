@@ -5,11 +5,12 @@ Flights are on rails and stop when they are clear; a law keeps the radius exactl
 
 import math
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy import optimize
 
@@ -32,6 +33,7 @@ from testbed.flight.sensing.base import Seen
 from testbed.flight.traffic.track import least_clearance
 from vosc.methods.potential_field import force
 
+PAGES = Path(__file__).parents[2] / "docs" / "methods"
 MOVING = {"radius_m": 20, "position_enu_m": [400, 6, 304], "speed_mps": 30, "direction_deg": [130, 5], "when": {"time_s": 3.2}}
 STANDING = {"radius_m": 20, "position_enu_m": [400, 6, 304], "speed_mps": 0, "direction_deg": [0, 0]}
 HEAD_ON = {"radius_m": 25, "position_enu_m": [400, 0, 300], "speed_mps": 30, "direction_deg": [180, 0], "when": {"time_s": 3.2}}
@@ -83,6 +85,17 @@ def steered(law: str, moving: bool, guidance_hz: int = 120, **options: Any) -> S
 def test_every_law_is_a_method_that_a_campaign_can_name() -> None:
     assert list(registry.names("method"))[-len(LAWS) :] == list(LAWS)
     assert all(registry.given("method", registry.part("method", law)) == 0 for law in LAWS)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_every_law_has_its_page_a_picture_and_a_row_of_the_table(law: str) -> None:
+    page = (PAGES / f"{law}.md").read_text(encoding="utf-8")
+    assert page.startswith(f"# {law}\n")
+    for part in (f"]({law}.svg)", "**Assumes.**", "**Formula.**", "**Notes.**", "**Source.**"):
+        assert part in page
+    assert (PAGES / f"{law}.svg").read_text(encoding="utf-8").count("<polyline") == 4
+    assert f"| [{law}]({law}.md) |" in (PAGES / "laws.md").read_text(encoding="utf-8")
+    assert f"]({law}.md)" in (PAGES / "README.md").read_text(encoding="utf-8")
 
 
 def test_differential_geometric_guidance_inverts_the_motion_of_delta() -> None:
@@ -299,6 +312,7 @@ sphere = st.tuples(near, vector, st.floats(0.01, 500.0))
 
 @pytest.mark.parametrize("law", LAWS)
 @settings(max_examples=40, deadline=None)
+@example(own=((0.0, 0.0, 0.0), (0.0, 0.0, 1e-291)), others=[], twice=False, wind=(0.0, 0.0, 0.0))  # a goal an age away
 @given(own=st.tuples(near, vector), others=st.lists(sphere, max_size=3), twice=st.booleans(), wind=vector)
 def test_no_physical_input_stops_a_law(law: str, own: Any, others: list[Any], twice: bool, wind: Any) -> None:
     """Standing still, straight up, at the goal, inside spheres, at their centres, one of them twice: an acceleration within bounds."""

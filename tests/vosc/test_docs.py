@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from testbed.flight.laws import LAWS
 from vosc.methods import METHODS
 
 PAGES = Path(__file__).parents[2] / "docs" / "methods"
@@ -42,16 +41,6 @@ def test_page_has_its_parts_and_its_picture_is_current(method, make):
     check_current(PAGES / f"{method}.svg", make.picture(method))
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_page_of_a_law_has_its_parts_its_picture_and_a_row_of_the_table(law):
-    page = (PAGES / f"{law}.md").read_text(encoding="utf-8")
-    assert page.startswith(f"# {law}\n")
-    for part in (f"]({law}.svg)", "**Assumes.**", "**Formula.**", "**Notes.**", "**Source.**"):
-        assert part in page
-    assert (PAGES / f"{law}.svg").read_text(encoding="utf-8").count("<polyline") == 4
-    assert f"| [{law}]({law}.md) |" in (PAGES / "laws.md").read_text(encoding="utf-8")
-
-
 def test_the_picture_of_the_insertion_pose_is_current_and_says_what_the_table_says():
     pose = script(PAGES.parent / "insertion_pose.py")
     check_current(PAGES.parent / "insertion_pose.svg", pose.picture())
@@ -80,4 +69,4 @@ def test_table_has_every_method_and_a_small_run_agrees_with_it(make):
 
 def test_index_links_every_page():
     index = (PAGES / "README.md").read_text(encoding="utf-8")
-    assert all(f"]({m}.md)" in index for m in [*METHODS, *LAWS])
+    assert all(f"]({m}.md)" in index for m in METHODS)

@@ -21,7 +21,7 @@ from testbed.core.frames import Vec3, vec3
 from testbed.flight.laws.effort_plan import Condition, Plan
 from testbed.flight.laws.meeting import MOST_MPS2, SPARE_M, Most, Setting, Spare, limited
 from testbed.flight.planning.context import STILL, Context
-from testbed.flight.planning.steering import Steer
+from testbed.flight.planning.steering import STILL_MPS, Steer
 from testbed.flight.plants.base import State
 from testbed.flight.sensing.base import Seen
 from testbed.flight.traffic.track import Approach, least_clearance
@@ -55,7 +55,7 @@ class MinimumEffort:
         replan, goal = memory.setting.replan, memory.setting.context.goal
         ahead, lasts_s = unit(memory.setting.own(time_s, own)[0].vel_mps), replan.horizon_s
         plan = Plan(pos, vel, ahead)
-        if self._then == "goal" and math.dist(goal, pos) > GOAL_AT_S * norm(vel) > 0.0:
+        if self._then == "goal" and norm(vel) >= STILL_MPS and math.dist(goal, pos) > GOAL_AT_S * norm(vel):
             due_s = math.dist(goal, pos) / norm(vel)
             plan, lasts_s = Plan(pos, vel, ahead, to_goal(pos, vel, goal, due_s)), min(lasts_s, due_s)
         spheres = [Sphere(one, time_s, replan.swell_m, lasts_s) for one in seen]
