@@ -22,7 +22,7 @@ class Scale:
     def __init__(self, values: Sequence[float], names: Sequence[str]):
         self.marks = ticks(min(values), max(values), 6)
         self.low, self.high = self.marks[0], self.marks[-1]
-        self.names = min(MOST_NAMES, max(NAMES, round(LETTER * max(map(len, names), default=0)) + 12))
+        self.names = min(MOST_NAMES, max(NAMES, math.ceil(LETTER * max(map(len, names), default=0)) + 12))
         self.wide = self.names + AREA + RIGHT
 
     def __call__(self, value: float) -> float:
