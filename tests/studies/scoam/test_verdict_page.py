@@ -18,8 +18,8 @@ from testbed.results.columns import FlightMetrics
 from testbed.results.statistics import Effect, Spread
 from testbed.show.page import render_page
 from testbed.show.series import flight_series
-from testbed.studies.scoam.claim import VERDICT_WORDS, Claim, Control, Rank, Step, Waterfall
-from testbed.studies.scoam.page import bars, detail, picture_data, quotable, reference, render, table
+from testbed.studies.scoam.claim import HOLDS, TOO_FEW, VERDICT_WORDS, Claim, Control, Rank, Step, Waterfall
+from testbed.studies.scoam.page import bars, detail, picture_data, quotable, reference, render, table, top
 from tests.show.test_page import NASTY, PROVENANCE, campaign, flight, parsed
 
 MakeRecord = Callable[..., FlightRecord]
@@ -324,3 +324,11 @@ def test_a_browser_draws_both_aircraft_and_opens_the_fold(
         page.emulate_media(media="print")
         page.close()
     assert problems == []
+
+
+def test_a_withheld_word_still_says_what_these_flights_did(verdict: SimpleNamespace) -> None:
+    claim = replace(verdict.claims[0], key=top.LEADING, word=TOO_FEW, unit="m", kinematic=2.7, flown_calm=-3.4)
+    assert top.answer((claim,), []).startswith("Not in these flights, which are too few for a verdict: on rails the re-planned path clears")
+    kept = replace(claim, flown_calm=1.0)
+    assert top.answer((kept,), []).startswith("In these flights, which are too few for a verdict: on rails")
+    assert top.answer((replace(kept, word=HOLDS),), []).startswith("Yes: on rails")

@@ -35,7 +35,6 @@ SHORT_ANSWER = {
     FAILS_KINEMATICALLY: "No, not even on rails",
     FAILS_WHEN_FLOWN: "No",
     NOT_DETERMINED: "It is not determined",
-    TOO_FEW: "Too few to say",
 }
 
 
@@ -64,7 +63,7 @@ def answer(claims: "tuple[Claim, ...]", made: list[Block]) -> str:
             if told
             else "No flight was flown."
         )
-    said = f"{SHORT_ANSWER.get(safe.word, words.capital(safe.word))}: on rails the re-planned path {_stands(safe.kinematic)}"
+    said = f"{_short(safe)}: on rails the re-planned path {_stands(safe.kinematic)}"
     if math.isfinite(safe.flown_calm):
         said += f", flown in calm air it {_stands(safe.flown_calm)}"
     kept = safe.effect
@@ -73,6 +72,14 @@ def answer(claims: "tuple[Claim, ...]", made: list[Block]) -> str:
         n = f"{round(kept.value * kept.n)} of {kept.n:,} flights"
         said += f", and in calm air, wind and turbulence together {n} keep every radius (95 % interval {interval})"
     return f"{said}."
+
+
+def _short(safe: Claim) -> str:
+    """The word as an answer; one that is withheld still says what these flights did."""
+    if safe.word == TOO_FEW:
+        failed = min(safe.kinematic, safe.flown_calm if math.isfinite(safe.flown_calm) else math.inf) < 0.0
+        return f"{'Not in' if failed else 'In'} these flights, which are too few for a verdict"
+    return SHORT_ANSWER.get(safe.word, words.capital(safe.word))
 
 
 def _stands(clearance_m: float) -> str:
