@@ -12,6 +12,7 @@ from testbed.core import registry
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
 from testbed.core.seeds import stream
+from testbed.flight.planning.prediction import AirKind, air_kind
 from testbed.flight.plants.aircraft import Aircraft, Limits
 from testbed.flight.plants.base import State
 from testbed.flight.record import ReplanEvent
@@ -52,6 +53,10 @@ class Context:
     """The planner's own stream, the same for every method, plant and aircraft."""
     method: Method
     replan: Replan
+    aircraft: Aircraft
+    """What its file says of it, with the limits that the plan turns off; what flies may differ from it."""
+    air: AirKind
+    """What a forecast would say: calm, wind, or turbulence (gusts too)."""
 
 
 class Step(NamedTuple):
@@ -99,6 +104,8 @@ def make_context(plan: FlightPlan, scene: "Scene", aircraft: Aircraft) -> Contex
         random=stream(plan.seed, plan.replicate, "planner"),
         method=Method(plan.method.kind, registry.part("method", plan.method.kind, plan.plugins), plan.method.options),
         replan=plan.replan,
+        aircraft=aircraft,
+        air=air_kind(plan),
     )
 
 
