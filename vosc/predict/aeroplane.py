@@ -76,7 +76,9 @@ def thrust_wanted(aeroplane: Aeroplane, speed: Any, load: Any, sin_climb: Any, w
 
 def step(aeroplane: Aeroplane, now: Motion, bank: Any, load: Any, thrust: Any, dt_s: float, wind: tuple[float, float, float]) -> Motion:
     """The batch after ``dt_s`` in which bank, load factor and thrust are commanded so; the air moves with ``wind`` (ENU m/s)."""
-    roll, roll_rate = _answered(bank - now.bank, now.roll_rate, aeroplane.bank_lag_s, aeroplane.roll_start_s, dt_s, aeroplane.roll_rate_radps)
+    roll, roll_rate = _answered(
+        bank - now.bank, now.roll_rate, aeroplane.bank_lag_s, aeroplane.roll_start_s, dt_s, aeroplane.roll_rate_radps
+    )
     lift, load_rate = _answered(load - now.load, now.load_rate, aeroplane.load_lag_s, aeroplane.load_start_s, dt_s, math.inf)
     engine = now.thrust + (1.0 - math.exp(-dt_s / aeroplane.thrust_lag_s)) * (thrust - now.thrust)
     middle_bank, middle_load = now.bank + 0.5 * roll, now.load + 0.5 * lift

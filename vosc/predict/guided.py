@@ -113,7 +113,7 @@ def fly_on(
         now = step(aeroplane, now, bank, load, thrust, float(times_s[k + 1] - time_s), wind)
         np.minimum(least, now.speed, out=least)
     end = _axes(now, wind)
-    return Flown(times_s, *places, end.vx, end.vy, end.vz, least, rates)
+    return Flown(times_s, places[0], places[1], places[2], end.vx, end.vy, end.vz, least, rates)
 
 
 def _axes(now: Motion, wind: tuple[float, float, float]) -> Axes:

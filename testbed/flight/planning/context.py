@@ -13,7 +13,7 @@ from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
 from testbed.core.seeds import stream
 from testbed.flight.planning.prediction import AirKind, air_kind
-from testbed.flight.plants.aircraft import Aircraft, Limits
+from testbed.flight.plants.aircraft import Aircraft, Limits, idealised, load_aircraft
 from testbed.flight.plants.base import State
 from testbed.flight.record import ReplanEvent
 from testbed.flight.route.path import Path
@@ -54,7 +54,7 @@ class Context:
     method: Method
     replan: Replan
     aircraft: Aircraft
-    """What its file says of it, with the limits that the plan turns off; what flies may differ from it."""
+    """What its file says of it, without the limits that the plan turns off; what is drawn for the one that flies is not known."""
     air: AirKind
     """What a forecast would say: calm, wind, or turbulence (gusts too)."""
 
@@ -104,7 +104,7 @@ def make_context(plan: FlightPlan, scene: "Scene", aircraft: Aircraft) -> Contex
         random=stream(plan.seed, plan.replicate, "planner"),
         method=Method(plan.method.kind, registry.part("method", plan.method.kind, plan.plugins), plan.method.options),
         replan=plan.replan,
-        aircraft=aircraft,
+        aircraft=idealised(load_aircraft(plan.aircraft), plan.plant.ideal),
         air=air_kind(plan),
     )
 

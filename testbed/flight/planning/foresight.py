@@ -25,11 +25,13 @@ NEAR = np.array([1.0, 2.5]) * DEG  # rings about what flies already
 NEAR_ROUND = np.arange(8) * math.tau / 8
 STEEPEST_SIN = math.sin(60.0 * DEG)
 ASIDE_COS = math.cos(84.0 * DEG)  # a direction further aside is turned to by way of another (``steering.py``)
-BANKS, LOADS = np.linspace(-1.0, 1.0, 17), np.linspace(0.0, 1.0, 5)  # shares of what the limits allow
+BANKS, LOADS = np.linspace(-1.0, 1.0, 17), np.array([0.0, 0.33, 0.67, 1.0, 3.0])
+"""Shares of what the limits allow. Three times the greatest load factor is asked for to have all of it while the aircraft still rolls."""
 LASTS_S = np.array([0.3, 0.6, 1.0, 1.5, 2.5])
 AFTER_S, SHORTEST_S, LONGEST_S = 0.8, 1.2, 5.0  # looked at: so long past the closest approach, and between these
 FINE_S, FINE_UNTIL_S, COARSE_S = 0.05, 1.0, 0.1
 KEPT_RAD, KEPT_M = 2.0 * DEG, 0.5  # what flies is given up for so much less deviation, or more clearance
+REACH_STEP_S, REACH_MARGIN_M = 0.25, 20.0  # an obstacle further away than any manoeuvre leads is left out
 SLOWING = 0.97  # an aircraft at its least airspeed may lose a little more
 
 
@@ -112,27 +114,32 @@ class Outlook:
         ]
 
     def _taken(self, now: Situation, candidates: list[Held]) -> Choice:
-        state, base = now.state, now.base
+        """The one to take, of manoeuvres that are all directions or all programmes."""
         spheres = _in_reach(now, self._aeroplane)
         times = _times(now, spheres)
-        start = _started(self._aeroplane, now, len(candidates))
-        if self._programmes:
-            bank, load, until = np.array([(one.bank, one.load, one.until_s) for one in candidates]).T
-            flown = fly_on(self._aeroplane, start, Programmes(bank, load, until - now.time_s), times, now.wind, self._speed, self._airspeed_held)
-            speed = np.sqrt(flown.end_vx**2 + flown.end_vy**2 + flown.end_vz**2)
-            cos = (base[0] * flown.end_vx + base[1] * flown.end_vy + base[2] * flown.end_vz) / np.maximum(speed, 1e-9)
-        else:
-            x, y, z = np.array([one.direction for one in candidates]).T
-            flown = fly_on(self._aeroplane, start, Directions(x, y, z), times, now.wind, self._speed, self._airspeed_held)
-            cos = base[0] * x + base[1] * y + base[2] * z
+        flown, cos = self._flown(now, candidates, times)
         clearance, to_go = least_clearance(flown, spheres)
-        clearance = np.where(np.isnan(clearance), -np.inf, clearance)
-        deviation, margin = np.arccos(np.clip(cos, -1.0, 1.0)), self._margin(to_go)
-        floor = min(self._aeroplane.slowest_mps, SLOWING * state.airspeed)
-        k, keeps = chosen(clearance - margin, np.where(np.isnan(deviation), math.pi, deviation), flown.least_speed >= floor, now.flying is not None)
+        clearance = np.where(np.isfinite(clearance), clearance, -np.inf)
+        margin = self._margin(to_go)
+        deviation = np.arccos(np.clip(np.where(np.isfinite(cos), cos, -1.0), -1.0, 1.0))
+        fast = flown.least_speed >= min(self._aeroplane.slowest_mps, SLOWING * now.state.airspeed)
+        k, keeps = chosen(clearance - margin, deviation, fast, now.flying is not None)
         place = np.array([flown.x[:, k], flown.y[:, k], flown.z[:, k]])
         numbers = (float(clearance[k]), float(margin[k]), float(to_go[k]), float(deviation[k]))
         return Choice(candidates[k], *numbers, keeps, now.time_s + times, place, flown.load_rate[:, k])
+
+    def _flown(self, now: Situation, candidates: list[Held], times: Array) -> tuple[Flown, Array]:
+        """Where they lead, and the cosine of what each deviates by: the direction held, or the one in which a programme ends."""
+        start, base, aeroplane = _started(self._aeroplane, now, len(candidates)), now.base, self._aeroplane
+        told = (now.wind, self._speed, self._airspeed_held)
+        if not self._programmes:
+            x, y, z = np.array([one.direction for one in candidates]).T
+            return fly_on(aeroplane, start, Directions(x, y, z), times, *told), base[0] * x + base[1] * y + base[2] * z
+        bank, load, until = np.array([(one.bank, one.load, one.until_s) for one in candidates]).T
+        flown = fly_on(aeroplane, start, Programmes(bank, load, until - now.time_s), times, *told)
+        speed = np.sqrt(flown.end_vx**2 + flown.end_vy**2 + flown.end_vz**2)
+        along = base[0] * flown.end_vx + base[1] * flown.end_vy + base[2] * flown.end_vz
+        return flown, along / np.maximum(speed, 1e-9)
 
 
 def chosen(spare_m: Array, deviation_rad: Array, fast: Array, first_flies: bool) -> tuple[int, bool]:
@@ -166,7 +173,7 @@ def _directions(now: Situation) -> list[Held]:
 
 def _rings(axis: Vec3, off: Array, around: Array) -> list[Vec3]:
     """Unit vectors at these angles from an axis, at these angles round it."""
-    x, y, z = axis
+    x, y, _ = axis
     flat = math.hypot(x, y)
     left = np.array([-y / flat, x / flat, 0.0]) if flat > 1e-6 else np.array([0.0, 1.0, 0.0])
     up = np.cross(axis, left)
@@ -179,10 +186,11 @@ def _in_reach(now: Situation, aeroplane: Aeroplane) -> Spheres:
     """The spheres that any manoeuvre could meet within the longest prediction; where there is none, all."""
     pos = np.array([one.at(now.time_s) for one in now.known]).reshape(-1, 3)
     vel, radius = np.array([one.vel for one in now.known]).reshape(-1, 3), np.array([one.radius_m for one in now.known])
-    times = np.arange(0.0, LONGEST_S + 0.01, 0.25)[:, None, None]
-    apart = pos - np.array(now.state[:3]) + (vel - np.array(now.state[3:6])) * times
-    pull = 0.5 * G_MPS2 * (max(aeroplane.load_max, -aeroplane.load_min) + 1.0) * times[..., 0] ** 2
-    near = (np.linalg.norm(apart, axis=2) - pull - np.linalg.norm(vel - np.array(now.state[3:6]), axis=1) * 0.125 < radius + 20.0).any(axis=0)
+    times, relative = np.arange(0.0, LONGEST_S + 0.01, REACH_STEP_S)[:, None], vel - np.array(now.state[3:6])
+    apart = np.linalg.norm(pos - np.array(now.state[:3]) + relative * times[..., None], axis=2)
+    pull_m = 0.5 * G_MPS2 * (max(aeroplane.load_max, -aeroplane.load_min) + 1.0) * times**2
+    between_m = 0.5 * REACH_STEP_S * np.linalg.norm(relative, axis=1)
+    near = (apart - pull_m - between_m < radius + REACH_MARGIN_M).any(axis=0)
     near = near if near.any() else np.ones_like(near)
     return Spheres(pos[near], vel[near], radius[near])
 

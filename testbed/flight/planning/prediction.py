@@ -66,7 +66,7 @@ class Prediction(Section):
 
 
 def read_prediction(folder: Path) -> Prediction | None:
-    """What the folder of an aircraft says; None where nobody has identified it. Raises ``ValueError`` for a file that says something else."""
+    """What the folder of an aircraft says; None where nobody has identified it. ``ValueError`` for a file that says no such thing."""
     file = folder / FILE
     return _read(file, file.stat().st_mtime_ns) if file.is_file() else None
 

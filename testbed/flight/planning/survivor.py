@@ -62,7 +62,7 @@ class Survivor:
 
     ``shape``: directions that are held, or programmes (bank x load factor x duration, then straight on). ``margin_m``: what a prediction
     has to spare; identified: by time to go, as ``testbed identify`` found it for this aircraft. ``trial`` is for that command: the first
-    decision stays, and every later look only says what is now expected of it.
+    decision stays, and every later look only says what is now expected of it, by a model without or with the lags that were identified.
     """
 
     def __init__(
@@ -70,21 +70,22 @@ class Survivor:
         shape: Literal["directions", "programmes"] = "directions",
         margin_m: Literal["identified"] | Annotated[float, Field(ge=0, le=100)] = "identified",
         every_s: Annotated[float, Field(ge=0.02, le=2)] = 0.15,
-        trial: bool = False,
+        trial: Literal["no", "first_order", "identified"] = "no",
     ) -> None:
-        self._shape, self._margin_m, self._every_s, self._trial = shape, margin_m, every_s, trial
+        self._shape, self._margin_m, self._every_s = shape, margin_m, every_s
+        self._trial, self._first_order = trial != "no", trial == "first_order"
         self.slowest_s = 0.0
 
     def start(self, context: Context) -> Memory:
         """Fresh memory."""
-        found = read_prediction(context.aircraft.folder)
+        found = None if self._first_order else read_prediction(context.aircraft.folder)
         identified = found.margins.get(context.air) if found else None
         self._margin: MarginAt = identified.at if identified and self._margin_m == "identified" else self._fixed
         aeroplane = aeroplane_of(context.aircraft, found.lags if found else None)
         self._outlook = Outlook(aeroplane, self._margin, context.speed_mps, context.airspeed_held, self._shape == "programmes")
         self._context, self._rejoin = context, Rejoin(context)
         self._settings: Replan = context.replan
-        return Memory(ahead_m=0.0)
+        return Memory()
 
     def _fixed(self, time_s: np.ndarray) -> np.ndarray:
         return np.full(np.shape(time_s), UNIDENTIFIED_M if self._margin_m == "identified" else self._margin_m)
@@ -124,14 +125,16 @@ class Survivor:
 
     def _flown_on(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
         """Off the path: the way back once the flight is clear, until then what was decided, decided anew when that is due."""
-        assert memory.choice is not None
+        choice = memory.choice
+        assert choice is not None
         memory = memory._replace(known={**memory.known, **{one.name: one for one in seen}})
-        if (back := self._back(memory, time_s, state)) is not None:
+        memory, back = self._back(memory, time_s, state)
+        if back is not None:
             return back
-        gone = math.dist(memory.choice.expected(time_s)[0], state[:3]) > DEPARTED_M and not self._trial
+        gone = math.dist(choice.expected(time_s)[0], state[:3]) > DEPARTED_M and not self._trial
         if gone or self._due(memory, time_s, seen):
             return self._decided(memory, time_s, state, s_m, thread_time(), math.nan)
-        return Step(memory, self._arc(memory.choice.held, time_s, state, s_m))
+        return Step(memory, self._arc(choice.held, time_s, state, s_m))
 
     def _decided(self, memory: Memory, time_s: float, state: State, s_m: float, began: float, passing_m: float) -> Step:
         """Decide, and fly it. It is an event at first, and when no manoeuvre keeps the margin any more."""
@@ -155,24 +158,23 @@ class Survivor:
         on = time_s < held.until_s - EARLY_S
         return arc(Steer(acceleration_enu_mps2=lift(held, state[3:6]) if on else (0.0, 0.0, 0.0)), state, s_m)
 
-    def _back(self, memory: Memory, time_s: float, state: State) -> Step | None:
+    def _back(self, memory: Memory, time_s: float, state: State) -> tuple[Memory, Step | None]:
         """The way back, once the flight is clear of everybody who was seen."""
         if time_s < memory.not_before_s:
-            return None
+            return memory, None
         known = list(memory.known.values())
         try:
             way = self._rejoin.when_clear(time_s, state, known, memory.left_s_m, now=False)
         except NoWayError:
-            return None
+            return memory._replace(not_before_s=time_s + AGAIN_S), None
         if way is None:
-            return None
-        path, speed = ActivePath(way.curves), norm(state[3:6])
-        wind = self._context.wind_known(time_s, state[:3])
-        passing = miss_along(path, 0.0, speed, time_s, known)
+            return memory, None
+        path, wind = ActivePath(way.curves), self._context.wind_known(time_s, state[:3])
+        passing = miss_along(path, 0.0, norm(state[3:6]), time_s, known)
         own, sighting = self._sighted(memory, time_s, state, wind)
         event = make_event(time_s, Decision.REJOINED, NAME, own, sighting, None, None, path, wind, passing)
         memory = memory._replace(choice=None, known=NO_ONE, ahead_m=way.ahead_m, looked_s=time_s)
-        return Step(memory, path, event)
+        return memory, Step(memory, path, event)
 
     def _sighted(self, memory: Memory, time_s: float, state: State, wind: Vec3) -> tuple[Own, Sighting]:
         """The aircraft in the air, and the nearest of all."""
