@@ -142,7 +142,7 @@ def margin_of(trials: Sequence[Trial]) -> Margin:
             raise IdentifyError(f"only {len(over)} predictions with {least:g} to {until:g} s to go: give more --encounters")
         most = max(most, float(np.quantile(over, SHARE, method="higher")))
         margins.append(math.ceil(100.0 * most) / 100.0)
-        medians.append(round(float(np.median(over)), 2))
+        medians.append(round(float(np.median(over)), 2) + 0.0)  # no -0.0
         counts.append(len(over))
     return Margin(flights=len(trials), within_s=WITHIN_S, margin_m=tuple(margins), median_m=tuple(medians), predictions=tuple(counts))
 

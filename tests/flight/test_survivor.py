@@ -57,7 +57,7 @@ def clearance_m(record: FlightRecord) -> float:
     return least_clearance(columns["time_s"], columns["own.pos_enu_m"], track, obstacle.radius_m).clearance_m
 
 
-LOST_BY_A_CONE = (0, 1, 2)
+LOST_BY_A_CONE = (4, 5, 9)
 
 
 @pytest.mark.parametrize("number", LOST_BY_A_CONE)
@@ -125,11 +125,18 @@ def test_odd_states_are_answered(
 def test_a_decision_is_the_least_deviation_that_keeps_the_margin_or_else_the_most_clearance() -> None:
     fast = np.ones(3, dtype=bool)
     turns = np.array([0.5, 0.1, 0.3])
-    assert chosen(np.array([1.0, -1.0, 2.0]), turns, fast, first_flies=False) == (2, True)
-    assert chosen(np.array([-1.0, -3.0, -2.0]), turns, fast, first_flies=False) == (0, False)
-    assert chosen(np.array([1.0, 1.0, 1.0]), turns, np.array([True, False, True]), first_flies=False) == (2, True)
-    assert chosen(np.array([1.0, 1.0, 1.0]), np.array([0.11, 0.10, 0.3]), fast, first_flies=True) == (0, True)  # kept: hardly worse
-    assert chosen(np.array([-1.2, -1.0, -9.0]), turns, fast, first_flies=True) == (0, False)
+
+    def taken(spare: list[float], deviation: np.ndarray = turns, fast: np.ndarray = fast, flies: bool = False) -> tuple[int, bool]:
+        return chosen(np.array(spare), np.array(spare) - 1.0, deviation, fast, flies)
+
+    assert taken([1.0, -1.0, 2.0]) == (2, True)
+    assert taken([-1.0, -3.0, -2.0]) == (0, False)
+    assert taken([1.0, 1.0, 1.0], fast=np.array([True, False, True])) == (2, True)
+    assert taken([1.0, 2.0, 1.0], deviation=np.array([0.11, 0.10, 0.3]), flies=True) == (0, True)  # kept: it is hardly worse
+    assert taken([0.1, 2.0, 0.5], flies=True) == (1, True)
+    assert taken([0.1, 0.9, 0.5], flies=True) == (0, True)  # kept: the others do not keep what was asked for at first
+    assert taken([-0.1, 0.9, 0.5], flies=True) == (1, True)
+    assert taken([-1.2, -1.0, -9.0], flies=True) == (0, False)
 
 
 def test_the_lift_of_a_programme_in_level_flight_and_in_a_climb() -> None:

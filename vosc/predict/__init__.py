@@ -2,6 +2,6 @@
 
 from vosc.predict.aeroplane import Aeroplane, Motion, step
 from vosc.predict.clearance import Spheres, least_clearance
-from vosc.predict.guided import Directions, Flown, Programmes, fly_on
+from vosc.predict.guided import Directions, Flown, Programmes, at_once, fly_on
 
-__all__ = ["Aeroplane", "Directions", "Flown", "Motion", "Programmes", "Spheres", "fly_on", "least_clearance", "step"]
+__all__ = ["Aeroplane", "Directions", "Flown", "Motion", "Programmes", "Spheres", "at_once", "fly_on", "least_clearance", "step"]

@@ -116,6 +116,17 @@ def fly_on(
     return Flown(times_s, places[0], places[1], places[2], end.vx, end.vy, end.vz, least, rates)
 
 
+def at_once(start: Motion, to: Directions, times_s: Array, wind: tuple[float, float, float]) -> Flown:
+    """A point on rails from ``start`` (n,): it flies each direction from now on, at its present speed through the air."""
+    with_it = to.x * wind[0] + to.y * wind[1] + to.z * wind[2]
+    left = start.speed**2 - sum(w * w for w in wind) + with_it**2
+    ground = with_it + np.sqrt(np.maximum(left, 0.0))
+    vx, vy, vz = ground * to.x, ground * to.y, ground * to.z
+    gone = times_s[:, None]
+    x, y, z = start.x + vx * gone, start.y + vy * gone, start.z + vz * gone
+    return Flown(times_s, x, y, z, vx, vy, vz, start.speed, np.zeros_like(x))
+
+
 def _axes(now: Motion, wind: tuple[float, float, float]) -> Axes:
     through = now.speed * np.cos(now.climb)
     vx, vy = through * np.sin(now.track) + wind[0], through * np.cos(now.track) + wind[1]

@@ -2,11 +2,15 @@
 
 Taken is the one that deviates least from the direction in which the flight was going, of those that keep the margin from every sphere;
 where none does, the one with the most clearance. What flies already is kept as long as it keeps the margin and nothing is much better,
-so that a decision that is taken anew does not swing between equals.
+so that a decision that is taken anew does not swing between equals. The margin shrinks as the encounter comes near; what is won by that
+is not spent: a manoeuvre that deviates less must keep the margin that was asked for at first.
+
+A state without a roll rate is that of a point on rails, which takes every direction at once and is predicted so.
 """
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -15,7 +19,7 @@ from testbed.core.frames import Vec3
 from testbed.core.units import DEG
 from testbed.flight.plants.base import State
 from testbed.flight.sensing.base import Seen
-from vosc.predict import Aeroplane, Directions, Flown, Motion, Programmes, Spheres, fly_on, least_clearance
+from vosc.predict import Aeroplane, Directions, Flown, Motion, Programmes, Spheres, at_once, fly_on, least_clearance
 from vosc.predict.aeroplane import G_MPS2, drag
 
 Array = np.ndarray
@@ -32,6 +36,7 @@ AFTER_S, SHORTEST_S, LONGEST_S = 0.8, 1.2, 5.0  # looked at: so long past the cl
 FINE_S, FINE_UNTIL_S, COARSE_S = 0.05, 1.0, 0.1
 KEPT_RAD, KEPT_M = 2.0 * DEG, 0.5  # what flies is given up for so much less deviation, or more clearance
 REACH_STEP_S, REACH_MARGIN_M = 0.25, 20.0  # an obstacle further away than any manoeuvre leads is left out
+NO_LAG_S = 1e-4
 SLOWING = 0.97  # an aircraft at its least airspeed may lose a little more
 
 
@@ -79,6 +84,7 @@ class Situation(NamedTuple):
     base: Vec3  # unit vector over the ground: where the flight was going
     known: Sequence[Seen]
     flying: Held | None
+    asked_m: float  # margin of the first decision
 
 
 class Outlook:
@@ -87,6 +93,8 @@ class Outlook:
     def __init__(self, aeroplane: Aeroplane, margin: MarginAt, speed_mps: float, airspeed_held: bool, programmes: bool) -> None:
         self._aeroplane, self._margin, self._programmes = aeroplane, margin, programmes
         self._speed, self._airspeed_held = speed_mps, airspeed_held
+        at_once = {"bank_lag_s": NO_LAG_S, "load_lag_s": NO_LAG_S, "roll_start_s": 0.0, "load_start_s": 0.0, "roll_rate_radps": math.inf}
+        self._railed = replace(aeroplane, **at_once)
 
     def decide(self, now: Situation) -> Choice:
         """The manoeuvre to take."""
@@ -104,7 +112,8 @@ class Outlook:
 
     def _banks(self, now: Situation) -> list[Held]:
         a = self._aeroplane
-        loads = np.concatenate([[0.5 * (1.0 + a.load_min), a.load_min], 1.0 + (a.load_max - 1.0) * LOADS])
+        shares = LOADS[LOADS <= 1.0] if math.isnan(now.state.p) else LOADS
+        loads = np.concatenate([[0.5 * (1.0 + a.load_min), a.load_min], 1.0 + (a.load_max - 1.0) * shares])
         return [Held(None, 0.0, 1.0, now.time_s)] + [
             Held(None, float(bank), float(load), now.time_s + float(lasts))
             for bank in BANKS * a.bank_rad
@@ -123,18 +132,22 @@ class Outlook:
         margin = self._margin(to_go)
         deviation = np.arccos(np.clip(np.where(np.isfinite(cos), cos, -1.0), -1.0, 1.0))
         fast = flown.least_speed >= min(self._aeroplane.slowest_mps, SLOWING * now.state.airspeed)
-        k, keeps = chosen(clearance - margin, deviation, fast, now.flying is not None)
+        k, keeps = chosen(clearance - margin, clearance - np.maximum(margin, now.asked_m), deviation, fast, now.flying is not None)
         place = np.array([flown.x[:, k], flown.y[:, k], flown.z[:, k]])
         numbers = (float(clearance[k]), float(margin[k]), float(to_go[k]), float(deviation[k]))
         return Choice(candidates[k], *numbers, keeps, now.time_s + times, place, flown.load_rate[:, k])
 
     def _flown(self, now: Situation, candidates: list[Held], times: Array) -> tuple[Flown, Array]:
         """Where they lead, and the cosine of what each deviates by: the direction held, or the one in which a programme ends."""
-        start, base, aeroplane = _started(self._aeroplane, now, len(candidates)), now.base, self._aeroplane
+        on_rails = math.isnan(now.state.p)
+        start, base = _started(self._aeroplane, now, len(candidates)), now.base
+        aeroplane = self._railed if on_rails else self._aeroplane
         told = (now.wind, self._speed, self._airspeed_held)
         if not self._programmes:
             x, y, z = np.array([one.direction for one in candidates]).T
-            return fly_on(aeroplane, start, Directions(x, y, z), times, *told), base[0] * x + base[1] * y + base[2] * z
+            to = Directions(x, y, z)
+            flown = at_once(start, to, times, now.wind) if on_rails else fly_on(aeroplane, start, to, times, *told)
+            return flown, base[0] * x + base[1] * y + base[2] * z
         bank, load, until = np.array([(one.bank, one.load, one.until_s) for one in candidates]).T
         flown = fly_on(aeroplane, start, Programmes(bank, load, until - now.time_s), times, *told)
         speed = np.sqrt(flown.end_vx**2 + flown.end_vy**2 + flown.end_vz**2)
@@ -142,17 +155,18 @@ class Outlook:
         return flown, along / np.maximum(speed, 1e-9)
 
 
-def chosen(spare_m: Array, deviation_rad: Array, fast: Array, first_flies: bool) -> tuple[int, bool]:
-    """Which of the batch (n,) to take, and whether it keeps the margin: ``spare_m`` is clearance less margin. ``fast``: it keeps its
-    airspeed. ``first_flies``: the first of them is what is flown already.
+def chosen(spare_m: Array, spare_of_first_m: Array, deviation_rad: Array, fast: Array, first_flies: bool) -> tuple[int, bool]:
+    """Which of the batch (n,) to take, and whether it keeps the margin. ``spare_m`` is clearance less margin, and less the margin that was
+    asked for at first; ``fast``: it keeps its airspeed; ``first_flies``: the first of them is what is flown already.
     """
     if not fast.any():
         fast = np.ones_like(fast)
     keeping = fast & (spare_m >= 0.0)
     if keeping.any():
-        cost = np.where(keeping, deviation_rad, np.inf)
+        holds = first_flies and bool(keeping[0])
+        cost = np.where(fast & (spare_of_first_m >= 0.0) if holds else keeping, deviation_rad, np.inf)
         k = int(np.argmin(cost))
-        return (0 if first_flies and cost[0] <= cost[k] + KEPT_RAD else k), True
+        return (0 if holds and deviation_rad[0] <= cost[k] + KEPT_RAD else k), True
     worth = np.where(fast, spare_m, -np.inf)
     k = int(np.argmax(worth))
     return (0 if first_flies and worth[0] >= worth[k] - KEPT_M else k), False

@@ -40,21 +40,18 @@ NO_ONE: Mapping[str, Seen] = {}
 
 
 class Memory(NamedTuple):
-    """The planner's memory: when it last looked or decided, and at whom; what flies and was expected of it (None on a path); where the
-    flight was going when it left the path; everybody who was seen since; the arc length at which it left the route; what the arc length
-    of the route is more than that of the active path; whether it has said that no margin can be kept; and before which time no way back is
-    looked for.
-    """
+    """The planner's memory."""
 
-    looked_s: float = -math.inf
-    looked_at: frozenset[str] = frozenset()
-    choice: Choice | None = None
-    base: Vec3 = (0.0, 0.0, 0.0)
-    known: Mapping[str, Seen] = NO_ONE
-    left_s_m: float = 0.0
-    ahead_m: float = 0.0
-    said: bool = False
-    not_before_s: float = -math.inf
+    looked_s: float = -math.inf  # when it last looked or decided ...
+    looked_at: frozenset[str] = frozenset()  # ... and at whom
+    choice: Choice | None = None  # what flies, and what is expected of it; None on a path
+    base: Vec3 = (0.0, 0.0, 0.0)  # unit vector: where the flight was going when it left the path
+    known: Mapping[str, Seen] = NO_ONE  # everybody who was seen since
+    left_s_m: float = 0.0  # arc length at which the flight left the route
+    ahead_m: float = 0.0  # what the arc length of the route is more than that of the active path; NaN while it is elsewhere
+    asked_m: float = 0.0  # margin of the first decision
+    said: bool = False  # that no manoeuvre keeps the margin
+    not_before_s: float = -math.inf  # no way back is looked for before
 
 
 class Survivor:
@@ -106,7 +103,7 @@ class Survivor:
         left_s_m = memory.left_s_m if math.isnan(memory.ahead_m) else max(memory.left_s_m, s_m + memory.ahead_m)
         left_s_m = min(left_s_m, self._context.route.length_m)
         known = {one.name: one for one in seen}
-        memory = memory._replace(base=unit(state[3:6]), left_s_m=left_s_m, ahead_m=math.nan, known=known, said=False)
+        memory = memory._replace(base=unit(state[3:6]), left_s_m=left_s_m, ahead_m=math.nan, known=known, asked_m=0.0, said=False)
         passing = miss_along(path, s_m, norm(state[3:6]), time_s, seen)
         return self._decided(memory, time_s, state, s_m, began, passing)
 
@@ -141,13 +138,15 @@ class Survivor:
         before = memory.choice
         wind, load_rate = self._context.wind_known(time_s, state[:3]), before.expected(time_s)[1] if before else 0.0
         known = [one._replace(radius_m=one.radius_m + self._settings.swell_m) for one in memory.known.values()]
-        now = Situation(time_s, state, load_rate, wind, memory.base, known, before.held if before else None)
+        now = Situation(time_s, state, load_rate, wind, memory.base, known, before.held if before else None, memory.asked_m)
         choice = self._outlook.expect(now) if before and self._trial else self._outlook.decide(now)
         self.slowest_s = max(self.slowest_s, thread_time() - began)
         event = None
         if before is None or self._trial or (before.keeps and not choice.keeps and not memory.said):
             event = self._event(memory, time_s, state, wind, choice, passing_m)
         looked_at = frozenset(memory.known)
+        if before is None:
+            memory = memory._replace(asked_m=choice.margin_m)
         memory = memory._replace(choice=choice, said=memory.said or not choice.keeps, looked_s=time_s, looked_at=looked_at)
         return Step(memory, self._arc(choice.held, time_s, state, s_m), event)
 
