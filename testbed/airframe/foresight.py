@@ -30,6 +30,7 @@ SHARE = 0.99
 LOOKED_AT_S = np.array([0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0])
 LEAST_FLIGHTS = 20
 FIRST_START_S = 0.05
+EVALUATIONS = 240  # of the search for the lags, at most
 AIR_WORDS = {"calm": "still air", "wind": f"{WIND_MPS:g} m/s of steady wind, known", "turbulence": f"{SEVERITY} turbulence (Dryden)"}
 
 
@@ -86,7 +87,7 @@ def fitted(aircraft: Aircraft, trials: Sequence[Trial]) -> Lags:
         return float(np.nanmean(_missed(aircraft, usable, lags_of(logs)) ** 2))
 
     first = np.log([point.bank_lag_s, FIRST_START_S, point.load_factor_lag_s, FIRST_START_S])
-    best = minimize(cost, first, method="Nelder-Mead", options={"maxfev": 240, "xatol": 0.01, "fatol": 1e-5})
+    best = minimize(cost, first, method="Nelder-Mead", options={"maxfev": EVALUATIONS, "xatol": 0.01, "fatol": 1e-5})
     return Lags(**{key: round(value, 3) for key, value in lags_of(best.x).model_dump().items()})
 
 
@@ -102,7 +103,7 @@ def _missed(aircraft: Aircraft, trials: Sequence[Trial], lags: Lags | None) -> A
     speed, climb = columns[3], columns[4]
     thrust = np.clip(drag(aeroplane, speed, 1.0) + np.sin(climb), aeroplane.thrust_min, aeroplane.thrust_max)
     zero = np.zeros(len(trials))
-    start = Motion(*columns, zero, thrust)  # type: ignore[call-arg] (nine columns)
+    start = Motion(*[*columns, zero, thrust])
     times = np.concatenate([np.arange(0.0, 0.975, 0.05), np.arange(1.0, 2.05, 0.1)])
     directions = Directions(*np.array([trial.direction for trial in trials]).T)
     flown = fly_on(aeroplane, start, directions, times, (0.0, 0.0, 0.0), trials[0].record.plan.speed_mps)

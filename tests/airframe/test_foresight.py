@@ -55,7 +55,7 @@ def trials(count: int) -> list[Trial]:
 
 
 def test_lags_that_made_the_flights_are_found_again() -> None:
-    flown, aircraft = trials(30), load_aircraft("gtm_t2")
+    flown, aircraft = trials(20), load_aircraft("gtm_t2")
     found = fitted(aircraft, flown)
     assert list(found.model_dump().values()) == pytest.approx([0.15, 0.1, 0.2, 0.05], abs=0.02)
     assert float(out_by(aircraft, flown, "", found).split()[0]) < 0.02
@@ -73,11 +73,12 @@ def test_the_margin_is_the_99th_percentile_of_each_range_and_never_falls(monkeyp
         margin_of(trials(20))
 
 
+@pytest.mark.slow
 def test_the_command_writes_what_the_planner_reads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A few flights in JSBSim of a copy of the aircraft; margins of another air stay where the lags are the same."""
     shutil.copytree(aircraft_folders()["gtm_t2"], tmp_path / "copied", ignore=shutil.ignore_patterns(FILE))
     monkeypatch.setenv("TESTBED_AIRCRAFT_PATH", str(tmp_path))
-    for name, value in {"LEAST_FLIGHTS": 3, "LAG_FLIGHTS": 5, "WITHIN_S": (20.0,)}.items():
+    for name, value in {"LEAST_FLIGHTS": 3, "LAG_FLIGHTS": 5, "WITHIN_S": (20.0,), "EVALUATIONS": 40}.items():
         monkeypatch.setattr(foresight, name, value)
     fly = foresight._flown
     flown: dict[object, list[Trial]] = {}

@@ -1,6 +1,7 @@
 """The planner that predicts the aircraft: what it decides in odd states, what it keeps where a cone does not, what it says."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,11 +15,11 @@ from testbed.flight.planning import survivor
 from testbed.flight.planning.context import make_context
 from testbed.flight.planning.decided import Decided
 from testbed.flight.planning.foresight import Choice, Held, chosen
-from testbed.flight.planning.prediction import UNIDENTIFIED_M, Lags, Margin, Prediction, air_kind
+from testbed.flight.planning.prediction import UNIDENTIFIED_M, AirKind, Lags, Margin, Prediction, air_kind
 from testbed.flight.planning.survivor import Survivor, lift
 from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.plants.base import State
-from testbed.flight.record import Decision, FlightRecord
+from testbed.flight.record import Decision, FlightRecord, Outcome
 from testbed.flight.route.path import ActivePath
 from testbed.flight.scene import make_scene
 from testbed.flight.sensing import Seen
@@ -69,7 +70,20 @@ def test_it_keeps_the_radius_where_the_least_deflection_at_once_does_not(number:
         assert clearance_m(record) > 0.0
         first = record.events[0]
         assert (first.decision, first.method) == (Decision.STEERED, "survivor")
-        assert clearance_m(record) > 0.0
+        assert clearance_m(record) == pytest.approx(first.path_clearance_m, abs=1.5)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("plant", ["kinematic", "point_mass"])
+def test_it_keeps_its_margin_on_the_other_rungs(plant: str, shape: str) -> None:
+    """Head-on. A point on rails takes at once what an aeroplane takes a second for: predicted as one it would come back too early."""
+    ahead = [
+        {"name": "O", "radius_m": 25, "position_enu_m": [330, 2, 0], "speed_mps": 30, "direction_deg": [180, 0], "when": {"time_s": 6}}
+    ]
+    record = fly(met(0, obstacles=ahead, sensor={"range_m": 200}, planner=with_shape(shape), plant={"kind": plant}))
+    assert record.outcome is Outcome.REACHED
+    assert clearance_m(record) > 1.0
+    assert record.events[-1].decision is Decision.REJOINED
 
 
 def test_the_same_plan_flies_the_same_flight_and_says_what_it_could_not_keep() -> None:
@@ -154,16 +168,19 @@ def test_the_margin_is_the_identified_one_of_the_air_or_a_number(monkeypatch: py
     found = Prediction(found_by="", lags=lags, margins={"calm": calm})
     monkeypatch.setattr(survivor, "read_prediction", lambda _folder: found)
 
-    def margins(planner: Survivor, **changes: object) -> list[float]:
-        a_plan = met(0, **changes)
-        planner.start(make_context(a_plan, make_scene(a_plan), load_aircraft("gtm_t2")))
+    a_plan = met(0)
+    told = make_context(a_plan, make_scene(a_plan), load_aircraft("gtm_t2"))
+
+    def margins(planner: Survivor, air: AirKind) -> list[float]:
+        planner.start(replace(told, air=air))
         return planner._margin(np.array([0.5, 1.0, 1.1, 9.0])).tolist()
 
-    assert margins(Survivor()) == [0.5, 0.5, 2.5, 2.5]
-    assert margins(Survivor(margin_m=1.0)) == [1.0] * 4
-    rough = {"turbulence": {"kind": "dryden", "severity": "light"}}
-    assert air_kind(met(0, air=rough)) == "turbulence"
-    assert margins(Survivor(), air=rough) == [UNIDENTIFIED_M] * 4
+    assert margins(Survivor(), "calm") == [0.5, 0.5, 2.5, 2.5]
+    assert margins(Survivor(margin_m=1.0), "calm") == [1.0] * 4
+    assert margins(Survivor(), "wind") == [UNIDENTIFIED_M] * 4
+    assert told.air == "calm"
+    assert air_kind(met(0, air={"turbulence": {"kind": "dryden", "severity": "light"}})) == "turbulence"
+    assert air_kind(met(0, air={"wind": {"kind": "steady", "speed_mps": 5, "from_deg": 0}})) == "wind"
 
 
 def test_what_was_expected_is_looked_up_between_its_times() -> None:
