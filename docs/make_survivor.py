@@ -14,7 +14,7 @@ import numpy as np
 from testbed.airframe.foresight import AIR_WORDS
 from testbed.core.catalogue import aircraft_folders
 from testbed.flight.planning.prediction import read_prediction
-from testbed.results.statistics import Effect, median, share, share_difference
+from testbed.results.statistics import Effect, mcnemar, median, share, share_difference
 
 FILE = Path(__file__).with_name("survivor.md")
 RUN = Path("reports/runs/survivor")
@@ -61,7 +61,7 @@ def of_part(flights: Flights) -> list[str]:
     """A table: what each planner kept, and its difference from the first where both kept."""
     first, n = flights[AGAINST], len(flights[AGAINST])
     rows = [
-        "| planner | kept, of all, % | less that of `least_deflection`, points | only it kept / only `least_deflection` |"
+        "| planner | kept, of all, % | less that of `least_deflection`, points | only it kept / only `least_deflection` (exact p) |"
         " path longer by, median m |"
         " largest deflection, median and 95th percentile, deg | slowest decision, median and 99th percentile, ms |",
         "| --- | --- | --- | --- | --- | --- | --- |",
@@ -79,7 +79,7 @@ def of_part(flights: Flights) -> list[str]:
             f"`{name}`",
             f"{sum(map(kept, own.values()))} of {len(own)}: {percent(share('', sum(map(kept, own.values())), len(own)))}",
             "" if is_first else percent(difference),
-            "" if is_first else f"{gained} / {lost}",
+            "" if is_first else f"{gained} / {lost} (p {mcnemar(lost, gained):.2g})",
             "" if is_first else f"{longer.value:.1f} ({longer.low:.1f} to {longer.high:.1f}), {longer.n} pairs",
             "{:.0f}, {:.0f}".format(*np.nanpercentile(turned, (50, 95))),
             "{:.1f}, {:.1f}".format(*np.nanpercentile(took, (50, 99))),
