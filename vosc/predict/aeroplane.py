@@ -5,7 +5,7 @@
 with V, gamma, chi of the velocity through the air (chi clockwise from y). D/W = zero (V/Vr)^2 + lift n^2 (Vr/V)^2. Bank and load factor
 answer a command in two stages: the command sets a rate, (command - value) / lag, that of the bank at most the roll rate; and the rate
 itself comes about with a lag of its own, because an aeroplane has to begin to roll and to pitch. Without that second lag the bank leads
-an aeroplane's by a tenth of a second, and a turn of a second ends metres too far aside.
+an aeroplane's by a tenth of a second, and a turn of a second ends more than a metre too far aside.
 """
 
 import math
