@@ -1,7 +1,7 @@
 """Commands about aircraft."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 import typer.core
@@ -30,6 +30,29 @@ def tune(
             say(find(name, write, accept))
         except TuneFailedError as problem:
             fail(str(problem), CRASHED)
+
+
+@app.command(epilog=examples("testbed identify gtm_t2", "testbed identify my_plane --air calm --encounters 100"))
+def identify(
+    name: Annotated[str, typer.Argument(metavar="AIRCRAFT", help="Its name: `testbed list aircraft`.", autocompletion=completing.aircraft)],
+    air: Annotated[
+        Literal["calm", "wind", "turbulence", "all"], typer.Option(help="Only this air; the margins of other air stay.")
+    ] = "all",
+    encounters: Annotated[int, typer.Option(metavar="N", help="Flights in each kind of air.")] = 200,
+    seed: Annotated[int, typer.Option(min=0, help="Of the encounters.")] = 0,
+) -> None:
+    """Find how far flights differ from their predictions, for the planner `survivor`: into prediction.yaml beside aircraft.yaml."""
+    with bad_input():
+        _need_aircraft(name)
+        _refuse_installed(name)
+        from testbed.airframe.foresight import AIRS, IdentifyError
+        from testbed.airframe.foresight import identify as find
+        from testbed.flight.plants.base import TrimFailedError
+
+        try:
+            find(name, AIRS if air == "all" else (air,), encounters, seed, say)
+        except (IdentifyError, TrimFailedError) as problem:
+            fail(f"{name}: {problem}", CRASHED)
 
 
 class _DataSheetFirst(PlainGroup):

@@ -118,7 +118,7 @@ def _identity(plan: FlightPlan) -> Row:
         "seed": plan.seed,
         "plant": plan.plant.kind,
         "aircraft": plan.aircraft,
-        "method": plan.method.kind,
+        "method": plan.avoids_by,
     }
 
 

@@ -104,11 +104,11 @@ def path_told(event: ReplanEvent) -> str:
 def summary_markdown(record: FlightRecord, metrics: FlightMetrics) -> str:
     """The flight on one card: who flew what, how it ended, the numbers, every decision with its inputs."""
     plan = record.plan
-    said = {who(record), words.method(plan.method.kind), plan.plant.kind, plan.aircraft}
+    said = {who(record), words.method(plan.avoids_by), plan.plant.kind, plan.aircraft}
     labels = ", ".join(told for axis, label in plan.labels.items() if (told := words.circumstance(axis, label)) not in said)
     lines = [
         f"## {words.capital(words.outcome_told(metrics.outcome))}",
-        f"**{who(record)}**, **{words.method(plan.method.kind)}**, {number(plan.speed_mps, 0)} m/s" + (f"  \n{labels}" if labels else ""),
+        f"**{who(record)}**, **{words.method(plan.avoids_by)}**, {number(plan.speed_mps, 0)} m/s" + (f"  \n{labels}" if labels else ""),
         *(["", record.message] if record.message else []),
         "",
         "| | |\n|---|---:|",

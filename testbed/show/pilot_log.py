@@ -30,7 +30,7 @@ class Line(NamedTuple):
 def pilot_log(record: FlightRecord, metrics: FlightMetrics) -> list[Line]:
     """The lines of a flight in the order of time."""
     time_s = record.columns["time_s"]
-    lines = [Line(float(time_s[0]), "INFO", f"Start: {who(record)}, {words.method(record.plan.method.kind)}")]
+    lines = [Line(float(time_s[0]), "INFO", f"Start: {who(record)}, {words.method(record.plan.avoids_by)}")]
     for spec in record.plan.obstacles:
         lines += _sphere(record, spec)
     for event in record.events:

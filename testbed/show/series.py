@@ -39,7 +39,7 @@ def flight_series(record: FlightRecord) -> Series:
     rows = _chosen_rows(record, clearance, roll_rate)
     return {
         "who": who(record),
-        "method": record.plan.method.kind,
+        "method": record.plan.avoids_by,
         "encounter": encounter_key(record),
         "geometry": record.plan.geometry,
         "time_s": rounded(time_s[rows], 3),

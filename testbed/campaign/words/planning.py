@@ -49,7 +49,8 @@ class PlannerSpec(Pluggable):
     role, needs = "a planner", ("start", "step")
 
     kind: str = "replan"
-    """replan: the paper's, with the settings of `method` and `replan`. `file:name` is a planner of a plug-in."""
+    """replan: the paper's, with the settings of `method` and `replan`. survivor: predicts the aircraft and takes what keeps the radius
+    when flown (docs/survivor.md); `replan` says how it comes back. `file:name` is a planner of a plug-in."""
 
     @classmethod
     def _try(cls, part: Any, options: dict[str, Any]) -> None:

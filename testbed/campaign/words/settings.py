@@ -282,6 +282,12 @@ class FlightPlan(FlightSettings):
     """Where parts come from that are not built in: plug-in to the SHA-256 of its file, distribution to its version."""
 
     @property
+    def avoids_by(self) -> str:
+        """What is to be named as that which avoids: the method, or a planner that needs none; ``none`` where nothing does."""
+        without = self.method.kind == "none" and self.planner.kind != PlannerSpec.model_fields["kind"].default
+        return self.planner.kind if without else self.method.kind
+
+    @property
     def plugged(self) -> tuple[Pluggable, ...]:
         """Every section that names a part that the flight is made of: not a study that only judges it."""
         sections = (getattr(self, name) for name in FlightSettings.model_fields if name != "study" or self.study.part.flies)

@@ -5,4 +5,7 @@ from testbed.flight.planning.steering import Steer
 
 __all__ = ["PLANNERS", "Context", "Steer", "Step"]
 
-PLANNERS = {"replan": "testbed.flight.planning.replan:Replanner"}
+PLANNERS = {
+    "replan": "testbed.flight.planning.replan:Replanner",
+    "survivor": "testbed.flight.planning.survivor:Survivor",
+}

@@ -12,7 +12,8 @@ from testbed.core import registry
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
 from testbed.core.seeds import stream
-from testbed.flight.plants.aircraft import Aircraft, Limits
+from testbed.flight.planning.prediction import AirKind, air_kind
+from testbed.flight.plants.aircraft import Aircraft, Limits, idealised, load_aircraft
 from testbed.flight.plants.base import State
 from testbed.flight.record import ReplanEvent
 from testbed.flight.route.path import Path
@@ -52,6 +53,10 @@ class Context:
     """The planner's own stream, the same for every method, plant and aircraft."""
     method: Method
     replan: Replan
+    aircraft: Aircraft
+    """What its file says of it, without the limits that the plan turns off; what is drawn for the one that flies is not known."""
+    air: AirKind
+    """What a forecast would say: calm, wind, or turbulence (gusts too)."""
 
 
 class Step(NamedTuple):
@@ -99,6 +104,8 @@ def make_context(plan: FlightPlan, scene: "Scene", aircraft: Aircraft) -> Contex
         random=stream(plan.seed, plan.replicate, "planner"),
         method=Method(plan.method.kind, registry.part("method", plan.method.kind, plan.plugins), plan.method.options),
         replan=plan.replan,
+        aircraft=idealised(load_aircraft(plan.aircraft), plan.plant.ideal),
+        air=air_kind(plan),
     )
 
 
