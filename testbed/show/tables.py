@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from testbed.core.frames import direction_deg
 from testbed.core.units import DEG
-from testbed.flight.record import NEW_PATH
+from testbed.flight.record import NEW_PATH, PathFault
 from testbed.results.flight_row import collided, value
 from testbed.show import campaign_summary, words
 from testbed.show.explorer import Explorer, Field, spark
@@ -134,8 +134,17 @@ def decisions_table(of: Gathered, axes: Sequence[str]) -> Explorer:
         *(Field(heading, unit, "", "number", shown) for heading, unit, shown in DECISION_FIELDS),
     )
     texts = [_decision(row, event, axes) for row, event in of.decisions]
-    tones = {words.read_aloud(str(event["decision"])): "good" if event["decision"] in NEW_PATH else "warn" for _, event in of.decisions}
+    faults = set(PathFault)
+    avoiding = ((event, event["decision"] in NEW_PATH and event["status"] not in faults) for _, event in of.decisions)
+    tones = {_decided(event): "good" if avoids else "warn" for event, avoids in avoiding}
     return Explorer("re-plans", fields, texts, tones)
+
+
+def _decided(event: Row) -> str:
+    """The decision in words; of a path that does not avoid what it does instead, and of none why."""
+    told = words.read_aloud(str(event["decision"]))
+    more = words.read_aloud(str(event["status"])) if event["status"] in set(PathFault) else str(event["reason"])
+    return f"{told}: {more}" if more else told
 
 
 def _vector(event: Row, key: str) -> tuple[float, float, float]:
@@ -162,7 +171,7 @@ def _decision(row: Row, event: Row, axes: Sequence[str]) -> list[str]:
     radius = radius_m(curvature)
     name = method(row) if event["method"] == row["method"] else words.method(str(event["method"]))
     return [
-        words.read_aloud(str(event["decision"])),
+        _decided(event),
         campaign_summary.circumstances(row, axes) or "the encounter",
         flyer(row),
         f"{name} against {event['obstacle']}" if event["obstacle"] else name,

@@ -200,7 +200,7 @@ def test_a_flyable_path_keeps_the_limits_or_says_which_forbids_it() -> None:
     )
     (event,) = near.events
     assert (event.decision, event.status) == ("no_path", "no_path")
-    assert event.reason == "of 36 ends none is within the aircraft's limits: bank or load factor"
+    assert event.reason == "of 36 ends none is within the aircraft's limits: load factor of 2.6"
     assert decided(event)[-1].text.endswith(f"path kept, no path ({event.reason})")
     (event,) = far.events
     assert event.decision == "replanned"

@@ -163,3 +163,10 @@ def test_options_that_mean_nothing_are_refused(one, options):
 def test_k_with_no_threat_left_is_none():
     assert with_component([], (V, 0.0, 0.0), 0, 10.0) is None
     assert at_bearing([], (0.0, 0.0, 0.0), 0.0) is None
+
+
+def test_a_goal_that_is_nowhere_is_refused(one):
+    with pytest.raises(ValueError, match="points nowhere"):
+        avoid("scoam", one[0], [one[1]], objective="goal", goal=(0.0, 0.0, 0.0))
+    with pytest.raises(ValueError, match="from -360 to 360"):
+        avoid("scoam", one[0], [one[1]], bearing_deg=4000.0)

@@ -78,7 +78,7 @@ def _need_one_choice(
     consider: str,
     half_angle: str,
     objective: str | None,
-    goal: object,
+    goal: Sequence[float] | None,
     corners_only: bool,
     bearing_deg: float | None,
     component: str | None,
@@ -93,11 +93,15 @@ def _need_one_choice(
         raise WrongOption(f"objective: one of {', '.join(OBJECTIVES)}, got {objective!r}")
     if (goal is not None) != (objective == "goal"):
         raise WrongOption("goal: give a direction with objective='goal', and only with it")
+    if goal is not None and norm(three("goal", goal)) == 0.0:
+        raise WrongOption("goal: a direction of length zero points nowhere")
     if component is not None and component not in get_args(Component):
         raise WrongOption(f"component: one of {', '.join(get_args(Component))}, got {component!r}")
     if (component is None) != (component_mps is None):
         raise WrongOption("component: give it with component_mps, and only with it")
-    if not all(math.isfinite(x) for x in (bearing_deg, component_mps) if x is not None):
-        raise WrongOption("bearing_deg, component_mps: give finite numbers")
+    if bearing_deg is not None and not -360.0 <= bearing_deg <= 360.0:
+        raise WrongOption(f"bearing_deg: give an angle from -360 to 360, got {bearing_deg}")
+    if component_mps is not None and not math.isfinite(component_mps):
+        raise WrongOption("component_mps: give a finite number")
     if sum((objective is not None, corners_only, bearing_deg is not None, component is not None)) > 1:
         raise WrongOption("K is chosen by objective, corners_only, bearing_deg or component: give one of them")

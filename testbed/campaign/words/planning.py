@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Magnitude
@@ -148,3 +148,9 @@ class Replan(Section):
     """What the planner knows of the mean wind where it is: all of it, with an error that is drawn once a flight, or nothing."""
     wind_estimate_sigma_mps: Annotated[NonNegative, Between("no wind is as strong", most=100.0)] = 1.0
     """Standard deviation of the error of an estimated wind, for each horizontal component, m/s."""
+
+    @model_validator(mode="after")
+    def _has_a_path_to_find(self) -> "Replan":
+        if self.path == "flyable" and self.answer == "direct":
+            raise ValueError("path: flyable is a path to an insertion point, and answer: direct has none")
+        return self

@@ -26,12 +26,11 @@ from vosc.vec import add, along, array, deflection, norm
 
 FORBIDS = {
     "join": "no curve continues the present bend",
-    "curvature": "bank or load factor",
     "climb_up": "climb angle",
     "climb_down": "descent angle",
     "bank_rate": "roll rate",
 }
-"""What a limit of ``vosc.ph.flyable`` is for an aircraft."""
+"""What a limit of ``vosc.ph.flyable`` is for an aircraft; that of its curvature is the bank or the load factor, whichever is less."""
 
 
 class NoFlyableWayError(NoWayError):
@@ -48,9 +47,18 @@ class FlyableWay(NamedTuple):
 
 def limits_of(aircraft: Limits, speed_mps: float, climb_at_most_deg: float) -> ph.Limits:
     """What the aircraft can do at a speed: curvature of the steepest level turn that bank and load factor allow, and its roll rate."""
-    steepest = min(math.tan(min(aircraft.bank_deg, 89.0) * DEG), math.sqrt(max(aircraft.load_factor_max**2 - 1.0, 0.0)))
+    steepest, _ = _steepest(aircraft)
     climb = climb_at_most_deg * DEG
     return ph.Limits(speed_mps, G0_MPS2 * steepest / speed_mps**2, -climb, climb, aircraft.roll_rate_dps * DEG)
+
+
+def _steepest(aircraft: Limits) -> tuple[float, str]:
+    """The steepest level turn, as its sideways pull over g, and the limit that it is due to."""
+    by_bank = math.tan(min(aircraft.bank_deg, 89.0) * DEG)
+    by_lift = math.sqrt(max(aircraft.load_factor_max**2 - 1.0, 0.0))
+    return (
+        (by_bank, f"bank of {aircraft.bank_deg:g} deg") if by_bank < by_lift else (by_lift, f"load factor of {aircraft.load_factor_max:g}")
+    )
 
 
 def flyable_way(
@@ -83,7 +91,8 @@ def flyable_way(
     except Refusal as error:  # coincident points; a command that stands still over the ground
         raise NoFlyableWayError(str(error)) from error
     if not found.ok or found.curve is None:
-        reasons = " and ".join(FORBIDS[name] for name in found.missed)
+        of_a_turn = _steepest(aircraft)[1]
+        reasons = " and ".join(FORBIDS.get(name, of_a_turn) for name in found.missed)
         together = ", which can be kept one by one but not together" if found.together else ""
         raise NoFlyableWayError(f"of {len(ends) * len(commands)} ends none is within the aircraft's limits: {reasons}{together}")
     chosen = directions[found.direction]
