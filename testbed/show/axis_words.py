@@ -8,7 +8,6 @@ from testbed.show import words
 
 KEPT: Final = "kept"
 """The share that keeps every radius; the other metrics are columns of the results."""
-UNITS: Final = {"mps": "m/s", "mps2": "m/s\N{SUPERSCRIPT TWO}", "deg": "deg", "dps": "deg/s", "m": "m", "s": "s", "hz": "Hz", "kg": "kg"}
 TITLES: Final = {
     "air.wind.speed_mps": "wind speed (m/s)",
     "wind_mps": "wind speed (m/s)",
@@ -26,9 +25,8 @@ def axis_title(axis: str) -> str:
     """An axis for people, with its unit in brackets: ``sensor range (m)``."""
     if axis in TITLES:
         return TITLES[axis]
-    stem, _, unit = axis.rpartition("_")
-    told = f"{stem} ({UNITS[unit]})" if stem and unit in UNITS else axis
-    return words.read_aloud(told.replace(".options.", " ").replace(".", " "))
+    name, unit = words.setting(axis)
+    return f"{name} ({unit})" if unit else name
 
 
 def metric_title(name: str) -> str:

@@ -1,16 +1,16 @@
-"""What a campaign answers: counts, pairs of kinematic and flown flights, and the sentences on top of the page."""
+"""What a campaign answers: counts, and the sentences on top of the page."""
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
 from testbed.results.columns import BY_NAME
-from testbed.results.flight_row import collided, keeps, met_obstacle, value
+from testbed.results.flight_row import collided, keeps, value
 from testbed.results.statistics import share_interval
 from testbed.show import words
 from testbed.show.gathered import HEADLINES, KINEMATIC, Gathered, Group, Row, flyer, method
+from testbed.show.pairs import Pair
 from testbed.show.shown_columns import SUMMARISED, text
 from testbed.show.words import number
 
@@ -24,42 +24,6 @@ def circumstances(row: Row, axes: Iterable[str]) -> str:
     """The labels of a flight in words, and whether its encounter is turned level."""
     said = [words.circumstance(axis, str(row["labels"][axis])) for axis in axes if axis in row["labels"]]
     return ", ".join(said + (["turned level"] if row.get("geometry") == "level" else []))
-
-
-@dataclass(frozen=True)
-class Pair:
-    """The same encounter and decision rule, as a point and as an aircraft."""
-
-    kinematic: Row
-    flown: Row
-
-    @property
-    def known(self) -> bool:
-        """Did both meet an obstacle?"""
-        return met_obstacle(self.kinematic) and met_obstacle(self.flown)
-
-    @property
-    def verdict(self) -> str:
-        """What became of the clearance: was every radius kept, to the end of the flight?"""
-        if not self.known:
-            return "not determined"
-        if not keeps(self.kinematic):
-            return "fails kinematically, kept when flown" if keeps(self.flown) else "fails kinematically"
-        return "kept when flown" if keeps(self.flown) else "fails when flown"
-
-
-def pairs(rows: Sequence[Row]) -> list[Pair]:
-    """Each flown flight with the kinematic one that shares encounter, method and replicate, and most of its labels. Rows with curves."""
-    found = []
-    points = [row for row in rows if row["plant"] == KINEMATIC]
-    for flown in rows:
-        if flown["plant"] == KINEMATIC or flown.get("encounter") is None:
-            continue
-        key = (flown.get("encounter"), flown["method"], flown["replicate"])
-        same = [p for p in points if (p.get("encounter"), p["method"], p["replicate"]) == key]
-        if same:
-            found.append(Pair(max(same, key=lambda p: sum(p["labels"].get(a) == label for a, label in flown["labels"].items())), flown))
-    return found
 
 
 def sentences(of: Gathered, matched: Sequence[Pair], over_axes: Sequence[str] = ()) -> list[str]:
@@ -108,10 +72,13 @@ def _span(rows: Sequence[Row], key: str) -> str:
 
 
 def cards(of: Gathered) -> list[dict[str, str]]:
-    """Headline numbers; the worst ones are of flown flights where there are any."""
+    """Headline numbers. The worst ones are of flights by an aircraft where there are any, and say so where points flew too: a point has no
+    limits, and would be worst in all that an aircraft cannot do.
+    """
+    of_whom = "of flights by an aircraft: " if {flown for flown, _ in of.worst} == {True, False} else ""
     made = [{"number": str(of.n), "name": "flights", "note": words.outcomes(of.outcomes), "tone": ""}]
     if of.met:
-        note = "closer than the radius of an obstacle"
+        note = f"{'points and aircraft ' if of_whom else ''}closer than the radius of an obstacle"
         made.append({"number": f"{of.hits} / {of.met}", "name": "collisions", "note": note, "tone": "bad" if of.hits else "good"})
     for key in HEADLINES:
         column = BY_NAME[key]
@@ -122,7 +89,7 @@ def cards(of: Gathered) -> list[dict[str, str]]:
                 {
                     "number": f"{text(column, worst)} {column.unit}".strip(),
                     "name": name,
-                    "note": f"{flyer(worst)}, {method(worst)}",
+                    "note": f"{of_whom}{flyer(worst)}, {method(worst)}",
                     "tone": tone,
                 }
             )

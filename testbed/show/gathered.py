@@ -91,7 +91,7 @@ class Listed:
         return dict(zip(LISTED, self.told, strict=True)) | metrics
 
 
-LISTED: Final = ("flight_id", "labels", "plant", "aircraft", "method", "replicate", "outcome", "geometry", "message", "recording")
+LISTED: Final = ("flight_id", "labels", "plant", "aircraft", "method", "alike", "replicate", "outcome", "geometry", "message", "recording")
 
 
 @dataclass
@@ -133,7 +133,9 @@ class Gathered:
     _shared: dict[Any, Any] = field(default_factory=dict)
 
     def add(self, row: Row) -> None:
-        """One more flight, in plan order. ``encounter`` and ``geometry`` are in it if it has curves."""
+        """One more flight, in plan order. ``encounter`` and ``geometry`` are in it if it has curves; ``alike`` is what it
+        shares with the flights that it may be paired with.
+        """
         light = {**row, "events": ()}
         self.n += 1
         self.hits += collided(row)
@@ -186,8 +188,8 @@ class Gathered:
             self._shared.clear()
         labels = self._shared.setdefault(tuple(row["labels"].items()), row["labels"])
         told = {**{key: row.get(key) for key in LISTED}, "labels": labels}
-        same = (self._shared.setdefault(told[key], told[key]) for key in LISTED[2:5])
-        rest = (told[key] for key in LISTED[5:])
+        same = (self._shared.setdefault(told[key], told[key]) for key in LISTED[2:6])
+        rest = (told[key] for key in LISTED[6:])
         return Listed((told["flight_id"], labels, *same, *rest), array("d", (value(row, column.name) for column in SHOWN_COLUMNS)))
 
     def _add_listed(self, row: Row) -> None:

@@ -74,8 +74,12 @@ def _curve_figure(curve: Curves, metrics: Sequence[str], looks: dict[str, Style]
         span = _range(name, [cell.effects[name] for panel in curve.panels for line in panel.lines for _, cell in line.points])
         draw = _polar if curve.round else _curve
         each.append([{"title": panel.title, "svg": draw(panel, name, span, looks, curve.title)} for panel in curve.panels])
-    kind = "Direction it comes from: north is up" if curve.round else "Bars: 95 % interval"
-    return {"title": f"over {curve.title}", "note": kind, "left_out": curve.left_out, "each": each}
+    if curve.round:
+        notes = ["Direction it comes from: north is up" for _ in metrics]
+    else:
+        effects = [cell.effects for panel in curve.panels for line in panel.lines for _, cell in line.points]
+        notes = ["Bars: 95 % interval" if any(one[name].low < one[name].high for one in effects) else "" for name in metrics]
+    return {"title": f"over {curve.title}", "notes": notes, "left_out": curve.left_out, "each": each}
 
 
 def _heat_figure(pair: HeatMap, metrics: Sequence[str]) -> dict[str, Any]:
@@ -84,7 +88,12 @@ def _heat_figure(pair: HeatMap, metrics: Sequence[str]) -> dict[str, Any]:
     for name in metrics:
         span = _range(name, [cell.effects[name] for grid in pair.grids for cell in grid.cells.values()])
         each.append([{"title": grid.title, "svg": _heat(grid, name, span, pair)} for grid in pair.grids])
-    return {"title": f"over {across}, and {upward}", "note": "Blue: better; orange: worse", "left_out": pair.left_out, "each": each}
+    return {
+        "title": f"over {across}, and {upward}",
+        "notes": ["Blue: better; orange: worse" for _ in metrics],
+        "left_out": pair.left_out,
+        "each": each,
+    }
 
 
 def _range(name: str, effects: Sequence[Effect]) -> Range:

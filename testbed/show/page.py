@@ -14,18 +14,20 @@ from testbed.results.flight_row import collided, keeps, value
 from testbed.show import campaign_summary
 from testbed.show.assets import PageHead, asset, environment, packed_json, plotly
 from testbed.show.figures import figure_data
-from testbed.show.gathered import Row, flyer, gather, method
+from testbed.show.gathered import Gathered, Row, flyer, gather, method
 from testbed.show.hero import campaign_hero, check_answer
 from testbed.show.histogram import histograms
 from testbed.show.over_axis import OverAxes
 from testbed.show.over_axis_svg import pictures
+from testbed.show.pairs import Alike, Pair, pairs
 from testbed.show.player import player, scenes
 from testbed.show.shown_columns import DECISION_TERMS, PAIRED, text
-from testbed.show.tables import cells_table, decisions_table, flights_table
-from testbed.show.words import number
+from testbed.show.tables import cells_table, decisions_table, flights_table, with_replicate
+from testbed.show.words import counted, number
 
 MOST_TRACEBACK = 4_000  # characters, its end
 SCRIPTS = ("plot.js", "player_views.js", "player.js", "page.js", "explorer.js", "reading.js")
+MOST_PAIR_ROWS = 200
 CELLS_FROM = 25  # so many flights are better read by cell
 
 
@@ -45,9 +47,10 @@ def render_page(
     """
     names = head.names if head else {}
     over = OverAxes()
-    of = gather(_named(row, names) | _of_series(series.get(row["flight_id"])) for row in over.watch(rows))
+    alike = Alike(campaign)
+    of = gather(_named(row, names) | {"alike": alike(row)} | _of_series(series.get(row["flight_id"])) for row in over.watch(rows))
     axes, listed_axes = of.telling_axes, of.listed_axes
-    matched = campaign_summary.pairs(of.pictured)
+    matched, unmatched = pairs(of)
     figures = figure_data(of.pictured, series, axes)
     cells = campaign_summary.cells(of, axes) if of.n >= CELLS_FROM or of.replicated else []
     moving = head.scenes if head and head.scenes else scenes(of.pictured, series, axes)
@@ -57,7 +60,7 @@ def render_page(
     parts = {
         "words": "Words",
         "checks": "Check" if checks else "",
-        "pairs": "Pairs" if matched else "",
+        "pairs": "Pairs" if matched or unmatched else "",
         "over-axis": "Axes" if over_axis else "",
         "pictures": "Pictures" if figures["groups"] else "",
         "cells": "Cells" if cells else "",
@@ -80,7 +83,9 @@ def render_page(
             sentences=([check_answer(checks)] if checks else []) + told,
             cards=campaign_summary.cards(of) if of.n else [],
             checks=[_check(line) for line in checks],
-            pairs=[_pair(pair, axes) for pair in matched],
+            pairs=[_pair(pair, axes) for pair in _listed_pairs(matched)],
+            pairs_told=_pairs_told(of, matched, unmatched),
+            pairs_met=any(pair.met for pair in matched),
             cells=cells_table(cells, [axis for axis in listed_axes if axis in axes]) if cells else None,
             cells_left_out=of.cells_in_all - len(of.cells),
             histograms=histograms(cells),
@@ -138,12 +143,29 @@ def _check(line: CheckResult) -> dict[str, Any]:
     }
 
 
-def _pair(pair: campaign_summary.Pair, axes: Sequence[str]) -> dict[str, Any]:
+def _listed_pairs(matched: Sequence[Pair]) -> list[Pair]:
+    """Those of the table; of too many the first replicates."""
+    if len(matched) <= MOST_PAIR_ROWS:
+        return list(matched)
+    return sorted(matched, key=lambda pair: int(pair.flown["replicate"]))[:MOST_PAIR_ROWS]
+
+
+def _pairs_told(of: Gathered, matched: Sequence[Pair], unmatched: int) -> list[str]:
+    """What the table of pairs leaves out."""
+    told = []
+    if unmatched:
+        told.append(f"{counted(unmatched, 'flight')} {'has' if unmatched == 1 else 'have'} no point to compare with.")
+    if len(matched) > MOST_PAIR_ROWS:
+        told.append(f"{len(matched) - MOST_PAIR_ROWS} more pairs are not listed.")
+    if of.n > len(of.first):
+        told.append(f"Only the first {len(of.first)} flights are paired.")
+    return told
+
+
+def _pair(pair: Pair, axes: Sequence[str]) -> dict[str, Any]:
     point, flown = (value(row, "least_clearance_m") for row in (pair.kinematic, pair.flown))
     return {
-        "circumstances": campaign_summary.circumstances(
-            pair.flown, [a for a in axes if pair.flown["labels"].get(a) == pair.kinematic["labels"].get(a)]
-        )
+        "circumstances": with_replicate(pair.flown, [a for a in axes if pair.flown["labels"].get(a) == pair.kinematic["labels"].get(a)])
         or "the encounter",
         "flyer": flyer(pair.flown),
         "method": method(pair.flown),

@@ -36,7 +36,7 @@ def flights_table(of: Gathered, axes: Sequence[str], listed_axes: Sequence[str],
     )
     texts = [
         [
-            f"{row['flight_id']}\n{_circumstances(row, axes)}",
+            f"{row['flight_id']}\n{with_replicate(row, axes)}",
             words.outcome(str(row["outcome"])),
             flyer(row),
             method(row),
@@ -63,7 +63,8 @@ def flights_table(of: Gathered, axes: Sequence[str], listed_axes: Sequence[str],
     )
 
 
-def _circumstances(row: Row, axes: Sequence[str]) -> str:
+def with_replicate(row: Row, axes: Sequence[str]) -> str:
+    """The circumstances of one flight among those of its cell."""
     said = campaign_summary.circumstances(row, axes)
     return ", ".join(part for part in (said, f"no. {row['replicate']}" if row["replicate"] else "") if part)
 

@@ -76,6 +76,17 @@ AXIS_HEADINGS: Final = {
     "air.turbulence.severity": "turbulence",
     "sensor.range_m": "seen from, m",
 }
+SETTING_UNITS: Final = {
+    "mps": "m/s",
+    "mps2": "m/s\N{SUPERSCRIPT TWO}",
+    "deg": "deg",
+    "dps": "deg/s",
+    "m": "m",
+    "s": "s",
+    "hz": "Hz",
+    "kg": "kg",
+}
+"""Ends of the names of settings, and the units that they stand for."""
 _BARE = re.compile(r"[+-]?[\d.]+([eE][+-]?\d+)?|[+-]?inf|true|false|null|\[.*")  # says nothing without its axis
 
 
@@ -183,7 +194,20 @@ def circumstance(axis: str, label: str) -> str:
         return AXIS_NAMES[axis].format(label)
     if axis in ("method", "method.kind"):
         return method(label)
-    return f"{axis} {label}" if _BARE.fullmatch(label) else label
+    if not _BARE.fullmatch(label):
+        return label
+    name, unit = setting(axis)
+    if unit == "m/s":
+        name = name.removesuffix(" speed")  # its unit says so
+    return f"{name} {label} {unit}".rstrip()
+
+
+def setting(path: str) -> tuple[str, str]:
+    """A dotted path as a name, and its unit, empty if it has none: ``obstacles.O.radius_m`` is ``obstacle O radius``, in ``m``."""
+    stem, _, end = path.rpartition("_")
+    unit = SETTING_UNITS.get(end, "") if stem else ""
+    name = (stem if unit else path).replace(".options.", ".").replace(".", " ")
+    return read_aloud(re.sub(r"^obstacles ", "obstacle ", name)), unit
 
 
 OF_THE_METHOD: Final = "method.options."

@@ -22,6 +22,7 @@ from testbed.results.columns import METRICS, FlightMetrics
 from testbed.show import campaign_summary, figures
 from testbed.show.gathered import gather
 from testbed.show.page import render_page
+from testbed.show.pairs import Pair
 from testbed.show.series import flight_series
 
 MakeRecord = Callable[..., FlightRecord]
@@ -192,7 +193,7 @@ def test_a_pair_is_judged_by_the_rule_that_the_studies_have(
     rows, series = four
     for k, (outcome, clearance) in ((1, point), (3, craft)):
         rows[k] |= {"outcome": outcome, "least_clearance_m": clearance}
-    assert campaign_summary.Pair(rows[1], rows[3]).verdict == verdict
+    assert Pair(rows[1], rows[3]).verdict == verdict
     page = render_page(campaign(), rows, series, PROVENANCE)
     line = page[page.index("SCOAM", page.index('id="pairs"')) :]
     colour, word = re.findall(r'badge-(\w+)">((?:fails|kept|not)[^<]*)</span>', line)[0]

@@ -89,7 +89,9 @@ def test_who_flew_and_under_which_circumstances() -> None:
     assert words.circumstance("air.wind.speed_mps", "10") == "wind 10 m/s"
     assert words.circumstance("method.kind", "none") == "no avoidance"
     assert words.circumstance("reading", "as_printed") == "as_printed"
-    assert words.circumstance("replan.magnitude_chords", "1.5") == "replan.magnitude_chords 1.5"
+    assert words.circumstance("replan.magnitude_chords", "1.5") == "replan magnitude chords 1.5"
+    assert words.circumstance("obstacles.O.speed_mps", "20") == "obstacle O 20 m/s"
+    assert words.circumstance("obstacles.O.radius_m", "25") == "obstacle O radius 25 m"
     assert words.circumstance("vary", "true") == "vary true"
 
 
