@@ -103,7 +103,8 @@ def headline(of: Comparison) -> list[str]:
     kept = [lead.kept] if lead.kept else list(of.compared.shares[:1])
     said = [
         f"Of {pairs}, {one.only_first} no longer {_plural(one.name) if one.only_first != 1 else one.name} and {one.only_second} newly "
-        f"{'does' if one.only_second == 1 else 'do'}: {one.first} in {of.first.name}, {one.second} in {of.second.name}."
+        f"{'does' if one.only_second == 1 else 'do'}; {one.first} do in {of.first.name}, {one.second} in "
+        f"{of.second.name}."
         for one in kept
     ] or [f"{pairs} compared."]
     for difference in _told(lead.differences)[:1]:

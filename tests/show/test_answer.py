@@ -116,3 +116,12 @@ def test_cells_that_were_flown_once_or_always_alike_have_no_interval():
         "Every radius was kept with SCOAM in 6 of 12.",
         "Every radius was kept with SCOAM in 12 of 12.",
     ]
+
+
+def test_an_axis_of_any_name_can_say_who_is_compared_and_many_parts_are_cut_short():
+    ways = [*cell("", "orca", 1, way="sideways", wind="0"), *cell("", "scoam", 0, way="best", wind="0")]
+    assert told(ways).lines[0] == "Every radius was kept with ORCA in 1 of 1 and with SCOAM in 0 of 1."
+    other = [*ways, *cell("", "scoam", 1, way="another", wind="0")]  # now it says more than the method does
+    assert told(other).lines[0].endswith(", which were not flown in the same circumstances.")
+    parts = [one for k in range(8) for one in cell(f"p{k}", f"m{k}", 0)]
+    assert told(parts).lines[0].endswith("; in p5 with m5 in 0 of 1; and so on in 2 more parts.")
