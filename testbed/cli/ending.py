@@ -22,7 +22,8 @@ def summarise(summary: "Summary") -> None:
 
     outcomes = words.outcomes(summary.outcomes)
     flown = sum(summary.outcomes.values())
-    say(f"{flown} of {words.counted(summary.planned, 'flight')} ({summary.flown_now} flown now): {outcomes or 'none'}", sys.stderr)
+    told = f": {outcomes}" if outcomes else ""
+    say(f"{flown} of {words.counted(summary.planned, 'flight')} ({summary.flown_now} flown now){told}", sys.stderr)
     if summary.crashed:
         traceback = f"see 'traceback' in {summary.directory / 'rows.jsonl'}"
         say(f"{summary.crashed} crashed: {summary.first_crash.splitlines()[0]}; {traceback}", sys.stderr)

@@ -5,10 +5,11 @@ A pair are two flights whose labels on the chosen axes and whose replicate are t
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any, Final
 
+from testbed.campaign.words.grid import PART
 from testbed.flight.record import Outcome
 from testbed.results import statistics
 from testbed.results.columns import BY_NAME, Column, Kind, read_aloud
@@ -21,6 +22,7 @@ Key = tuple[tuple[str, ...], int]
 
 MOST_BY_CELL: Final = 4
 BETTER, WORSE, CHANGED, SAME = "better", "worse", "changed", "same"
+CLEARANCE: Final = "least_clearance_m"
 FOUND: Final = "found"
 """Key of a row in which a study that flies by itself has put its figures."""
 
@@ -40,6 +42,12 @@ class Flight:
     kept: bool | None
     """None: there was nothing to keep clear of."""
     values: Mapping[str, float]
+    avoids: bool = True
+    """Whether a method of avoidance was flown."""
+
+
+Swept = Mapping[str, Mapping[str, Set[str]]]
+"""Part (an empty name without parts) to axis to its labels over all that is planned; an empty label where a flight is without the axis."""
 
 
 @dataclass(frozen=True)
@@ -64,15 +72,20 @@ class Difference:
     up: int
     down: int
     """Pairs in which it is more, and less, in the second run."""
+    lost: int = 0
+    """Of clearances: pairs that no longer keep every radius. No median makes up for those."""
 
     @property
     def tone(self) -> str:
         """What its interval shows: a change for better or worse, some change, or none."""
-        if not self.effect.low * self.effect.high > 0.0:  # NaN too: too few pairs for an interval
+        low, high = (round(bound, self.column.digits) for bound in (self.effect.low, self.effect.high))  # as they are told
+        if not low * high > 0.0:  # NaN too: too few pairs for an interval
             return SAME
         if not self.column.worse:
             return CHANGED
-        return WORSE if (self.effect.value < 0.0) == (self.column.worse == "low") else BETTER
+        if (self.effect.value < 0.0) == (self.column.worse == "low"):
+            return WORSE
+        return CHANGED if self.lost else BETTER
 
 
 @dataclass(frozen=True)
@@ -118,6 +131,8 @@ class Compared:
     differences: tuple[Difference, ...]
     outcomes: Mapping[tuple[str, str], int]
     cells: tuple[Cell, ...]
+    lead: Cell
+    """The pairs that a headline is told of: without those in which neither flight avoids, unless there are no others."""
 
 
 def flight(row: Row, columns: Sequence[str]) -> Flight:
@@ -125,17 +140,44 @@ def flight(row: Row, columns: Sequence[str]) -> Flight:
     found = row.get(FOUND)
     values = {name: float(x) for name, x in found.items() if isinstance(x, int | float)} if found else {n: value(row, n) for n in columns}
     kept = keeps(row) if not found and met_obstacle(row) else None
-    return Flight(row["flight_id"], row["labels"], int(row["replicate"]), row["outcome"], kept, values)
+    return Flight(row["flight_id"], row["labels"], int(row["replicate"]), row["outcome"], kept, values, row.get("method") != "none")
 
 
-def compare(first: Sequence[Flight], second: Sequence[Flight], on: Sequence[str] = (), by_cell: Sequence[str] = ()) -> Compared:
+def swept(planned: Iterable[Mapping[str, str]]) -> Swept:
+    """Axes and labels of each part, from the labels of all flights."""
+    found: dict[str, dict[str, set[str]]] = {}
+    flights: Counter[str] = Counter()
+    with_axis: Counter[tuple[str, str]] = Counter()
+    for labels in planned:
+        part = labels.get(PART, "")
+        flights[part] += 1
+        for axis, label in labels.items():
+            found.setdefault(part, {}).setdefault(axis, set()).add(label)
+            with_axis[part, axis] += 1
+    for (part, axis), n in with_axis.items():
+        if n < flights[part]:
+            found[part][axis].add("")
+    return {part: found.get(part, {}) for part in flights}
+
+
+def compare(
+    first: Sequence[Flight],
+    second: Sequence[Flight],
+    on: Sequence[str] = (),
+    by_cell: Sequence[str] = (),
+    planned: tuple[Swept, Swept] | None = None,
+) -> Compared:
     """The second run less the first. Raises ``NotComparableError``.
 
-    ``on``: axes to pair by; default: all that both have, but for those on which each run has one label, and they are not the same: that
-    is what is compared. ``by_cell``: metrics that are told of each cell, where they were measured.
+    ``on``: axes to pair by; default: of each part all that both have, but for those on which each run has one label, and they are not the
+    same: that is what is compared. ``by_cell``: metrics that are told of each cell, where they were measured. ``planned``: what the runs
+    sweep, flown yet or not; default: what the flights have.
     """
-    axes = _axes(first, second, on)
-    sides = [_by_key(flights, axes, name) for flights, name in ((first, "first"), (second, "second"))]
+    by_part = _axes(*(planned or (swept(one.labels for one in first), swept(one.labels for one in second))), on)
+    found = dict.fromkeys(axis for axes in by_part.values() for axis in axes)
+    order = dict.fromkeys(axis for one in (*first, *second) for axis in one.labels)  # that of the campaign, which a plan does not keep
+    axes = tuple(on) or (*(axis for axis in order if axis in found), *(axis for axis in found if axis not in order))
+    sides = [_by_key(flights, axes, by_part, name) for flights, name in ((first, "first"), (second, "second"))]
     pairs = tuple(Pair(key, one, sides[1][key]) for key, one in sides[0].items() if key in sides[1])
     if not pairs:
         raise NotComparableError(_no_pairs(first, second, axes))
@@ -155,30 +197,43 @@ def compare(first: Sequence[Flight], second: Sequence[Flight], on: Sequence[str]
         _differences(pairs, names),
         Counter((pair.first.outcome, pair.second.outcome) for pair in pairs),
         tuple(_cell(dict(zip(axes, labels, strict=True)), members, told) for labels, members in cells.items()),
+        _cell({}, [pair for pair in pairs if pair.first.avoids or pair.second.avoids] or pairs, names),
     )
 
 
-def _axes(first: Sequence[Flight], second: Sequence[Flight], on: Sequence[str]) -> tuple[str, ...]:
-    there = [list(dict.fromkeys(axis for one in flights for axis in one.labels)) for flights in (first, second)]
-    both = [axis for axis in there[0] if axis in there[1]]
+def _axes(first: Swept, second: Swept, on: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """Part to the axes by which its flights are paired; that of an empty name is for all parts that are not named."""
+    one, other = _together(first), _together(second)
+    both = [axis for axis in one if axis in other]
     if unknown := [axis for axis in on if axis not in both]:
         raise NotComparableError(f"'{unknown[0]}' is no axis of both runs; there are: {', '.join(both) or 'none'}")
-    return tuple(on or (axis for axis in both if not _is_compared(axis, first, second)))
+    if on:
+        return {"": tuple(on)}
+    parts = [part for part in first if part and part in second]
+    return {part: _of_both(first[part], second[part]) for part in parts} | {"": _of_both(one, other)}
 
 
-def _is_compared(axis: str, first: Sequence[Flight], second: Sequence[Flight]) -> bool:
-    """Whether an axis tells the runs apart, rather than flights of them."""
-    mine, theirs = ({one.labels.get(axis, "") for one in flights} for flights in (first, second))
-    return len(mine) == len(theirs) == 1 and mine != theirs
+def _together(parts: Swept) -> dict[str, set[str]]:
+    """The labels of each axis over all parts."""
+    every = dict.fromkeys(axis for axes in parts.values() for axis in axes)
+    return {axis: set().union(*(axes.get(axis, {""}) for axes in parts.values())) for axis in every}
 
 
-def _by_key(flights: Iterable[Flight], axes: Sequence[str], which: str) -> dict[Key, Flight]:
+def _of_both(first: Mapping[str, Set[str]], second: Mapping[str, Set[str]]) -> tuple[str, ...]:
+    """The axes that both have, without those that tell the runs apart, rather than flights of them."""
+    return tuple(
+        axis for axis in first if axis in second and not (len(first[axis]) == len(second[axis]) == 1 and first[axis] != second[axis])
+    )
+
+
+def _by_key(flights: Iterable[Flight], axes: Sequence[str], by_part: Mapping[str, Sequence[str]], which: str) -> dict[Key, Flight]:
     found: dict[Key, Flight] = {}
     for one in flights:
-        key = tuple(one.labels.get(axis, "") for axis in axes), one.replicate
+        own = by_part.get(one.labels.get(PART, ""), by_part[""])
+        key = tuple(one.labels.get(axis, "") if axis in own else "" for axis in axes), one.replicate
         if (other := found.setdefault(key, one)) is not one:
             differ = [axis for axis in one.labels if one.labels.get(axis) != other.labels.get(axis)]
-            named = ", ".join(f"{axis} {label}" for axis, label in zip(axes, key[0], strict=True)) or "the same replicate"
+            named = ", ".join(f"{axis} {label}" for axis, label in zip(axes, key[0], strict=True) if label) or "the same replicate"
             raise NotComparableError(
                 f"several flights of the {which} run have {named}; they differ in {', '.join(differ) or 'nothing'}, "
                 "so that it is open which is to be paired: pair by axes that tell them apart (--on)"
@@ -239,9 +294,9 @@ def _differences(pairs: Sequence[Pair], names: Iterable[str]) -> tuple[Differenc
         changes = [b - a for a, b in known]
         first, second = (statistics.spread(side).median for side in zip(*known, strict=True))
         effect = statistics.median(name, column.unit, changes)
-        found.append(
-            Difference(column, first, second, effect, max(changes, key=abs), sum(x > 0.0 for x in changes), sum(x < 0.0 for x in changes))
-        )
+        up, down = sum(x > 0.0 for x in changes), sum(x < 0.0 for x in changes)
+        lost = sum(bool(pair.first.kept) and pair.second.kept is False for pair in pairs) if name == CLEARANCE else 0
+        found.append(Difference(column, first, second, effect, max(changes, key=abs), up, down, lost))
     return tuple(found)
 
 

@@ -4,7 +4,7 @@ import csv
 import hashlib
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -14,7 +14,7 @@ import numpy as np
 
 from testbed.core.canonical import canonical
 from testbed.results.columns import METRICS, Kind
-from testbed.results.compare import FOUND, Compared, Flight, NotComparableError, compare, flight
+from testbed.results.compare import FOUND, Compared, Flight, NotComparableError, Swept, compare, flight, swept
 from testbed.run import identity, journal, listed, manifest, planned
 from testbed.run.directory import BadInputError, RunDirectory
 from testbed.run.planned import Planned
@@ -37,6 +37,9 @@ class _Opened:
     about: Mapping[str, Any]
     plan: Planned
     flights: Sequence[Flight]
+    swept: Swept
+    encounters: Mapping[str, bytes]
+    """Flight id to a digest of what is met."""
     searched: bool
     """Whether a study has searched, and not flown once, in the place of each flight."""
 
@@ -53,7 +56,7 @@ def compared(first: Path, second: Path, on: Sequence[str] = ()) -> Comparison:
         which = [run.directory.path for run in sorted(runs, key=lambda run: run.searched)]
         raise BadInputError(f"{which[1]} holds searches of a study, {which[0]} flights: there is nothing that both have")
     try:
-        found = compare(runs[0].flights, runs[1].flights, on, HEADLINES)
+        found = compare(runs[0].flights, runs[1].flights, on, HEADLINES, (runs[0].swept, runs[1].swept))
     except NotComparableError as problem:
         raise BadInputError(f"{first} and {second} cannot be compared: {problem}") from None
     names = _names(first, second)
@@ -77,7 +80,20 @@ def _opened(path: Path) -> _Opened:
         rows = index.lines(places[np.flatnonzero(places >= 0)], journal.row_of)
         searched = any(FOUND in row for row in islice(rows, 1))
         flights = [flight(row, MEASURED) for row in rows]
-    return _Opened(directory, about, plan, flights, searched)
+    encounters: dict[str, bytes] = {}
+    try:
+        planned_axes = swept(_labels(plan, encounters))
+    except planned.NOT_A_PLAN as problem:
+        raise BadInputError(f"{plan.path}: damaged, or not a plan of this version of testbed ({problem})") from None
+    return _Opened(directory, about, plan, flights, planned_axes, encounters, searched)
+
+
+def _labels(plan: Planned, encounters: dict[str, bytes]) -> Iterator[Mapping[str, str]]:
+    """Those of each planned flight. What each meets goes into ``encounters``: the plan is read once for both, and not held."""
+    for one in plan.flights:
+        met = canonical({key: one.get(key) for key in ENCOUNTER})
+        encounters[one["flight_id"]] = hashlib.blake2b(met, digest_size=8).digest()
+        yield one["labels"]
 
 
 def _names(first: Path, second: Path) -> tuple[str, str]:
@@ -106,7 +122,7 @@ def _notes(runs: Sequence[_Opened], names: Sequence[str], found: Compared) -> li
     if alone := [f"{count} of {name}" for count, name in ((found.only_first, names[0]), (found.only_second, names[1])) if count]:
         said.append(f"without a partner, and left out: {words.listed(alone)}")
     if left := [
-        axis for axis in dict.fromkeys(axis for run in runs for one in run.flights[:1] for axis in one.labels) if axis not in found.axes
+        axis for axis in dict.fromkeys(axis for run in runs for axes in run.swept.values() for axis in axes) if axis not in found.axes
     ]:
         said.append(f"paired by {', '.join([*found.axes, 'replicate'])}; not by {', '.join(left)}")
     if runs[0].about["seed"] != runs[1].about["seed"]:
@@ -119,18 +135,8 @@ def _notes(runs: Sequence[_Opened], names: Sequence[str], found: Compared) -> li
 
 def _other_encounters(runs: Sequence[_Opened], found: Compared) -> int:
     """In how many pairs the two flights were given different encounters."""
-    mine, theirs = (_encounters(run.plan) for run in runs)
+    mine, theirs = (run.encounters for run in runs)
     return sum(mine[pair.first.flight_id] != theirs[pair.second.flight_id] for pair in found.pairs)
-
-
-def _encounters(plan: Planned) -> dict[str, bytes]:
-    try:
-        return {
-            one["flight_id"]: hashlib.blake2b(canonical({key: one.get(key) for key in ENCOUNTER}), digest_size=8).digest()
-            for one in plan.flights
-        }
-    except planned.NOT_A_PLAN as problem:
-        raise BadInputError(f"{plan.path}: damaged, or not a plan of this version of testbed ({problem})") from None
 
 
 def _settings(runs: Sequence[_Opened]) -> list[Change]:

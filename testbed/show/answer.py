@@ -5,14 +5,15 @@ It is taken from the rows as they go by, and kept in the run's ``answer.json``, 
 
 import math
 from array import array
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Final
 
 from testbed.results.checks import CheckResult
 from testbed.results.flight_row import collided, keeps, met_obstacle, value
-from testbed.results.statistics import share_interval, spread
+from testbed.results.statistics import spread
 from testbed.show import words
+from testbed.show.alike import Cells, Share, Who, listed_parts
 from testbed.show.hero import check_answer
 
 Row = dict[str, Any]
@@ -71,7 +72,7 @@ def _is_sound(answer: Answer) -> bool:
 
 @dataclass
 class _Group:
-    """Flights of one method, or of one flyer with one method."""
+    """Flights of one flyer with one method."""
 
     n: int = 0
     kept: int = 0
@@ -82,19 +83,12 @@ class _Group:
         self.kept += keeps(row)
         self.clearances.append(value(row, "least_clearance_m"))
 
-    def told(self) -> str:
-        text = f"{self.kept} of {self.n}"
-        if self.n >= 10:
-            text += f" (95 % interval {words.interval(*share_interval(self.kept, self.n), 'share')})"
-        return text
-
 
 class Tally:
     """Counts that an answer is made of."""
 
     def __init__(self) -> None:
-        self._methods: dict[str, _Group] = {}
-        self._flyers: dict[str, _Group] = {}
+        self._cells = Cells()
         self._bars: dict[str, _Group] = {}
         self._nearest: tuple[float, Row] | None = None
         self._farthest: tuple[float, Row] | None = None
@@ -107,9 +101,7 @@ class Tally:
         if not met_obstacle(row):
             return
         flyer, method = words.flyer(row["plant"], row["aircraft"]), words.method_with(row["method"], row["labels"])
-        self._methods.setdefault(method, _Group()).count(row)
-        if row["method"] != "none":
-            self._flyers.setdefault(flyer, _Group()).count(row)
+        self._cells.add(row)
         self._bars.setdefault(f"{flyer}, {method}", _Group()).count(row)
         clearance = value(row, "least_clearance_m")
         if row["method"] != "none" and (self._nearest is None or clearance < self._nearest[0]):
@@ -118,10 +110,12 @@ class Tally:
     def answer(self, checks: Sequence[CheckResult] = ()) -> Answer:
         """What came out; of a check whether it passed."""
         lines = [check_answer(checks)] if checks else []
-        if self._methods:
-            lines.append(f"Every radius was kept {_each(self._methods, 'with ')}.")
-        if len(self._flyers) > 1 and len(self._methods) > 1:
-            lines.append(f"With avoidance it was kept {_each(self._flyers, 'by ')}.")
+        if self._bars:
+            lines.append(f"Every radius was kept {_by_method(self._cells)}.")
+        avoiding = self._cells.alike("flyer", which=_avoids)
+        flyers = {name: share for (name,), share in avoiding.items()}
+        if len(flyers) > 1 and len(self._cells.names("method")) > 1:
+            lines.append(f"With avoidance it was kept {_each(flyers, 'by ')}{self._cells.note(avoiding, _avoids)}.")
         chosen = self._nearest or self._farthest
         if chosen is not None:
             lines.append(_looked_at(*chosen, met=self._nearest is not None))
@@ -129,7 +123,16 @@ class Tally:
         return Answer(tuple(lines[:3]), bars, flight=chosen[1]["flight_id"] if chosen else "")
 
 
-def _each(groups: dict[str, _Group], before: str) -> str:
+def _avoids(who: Who) -> bool:
+    return who.avoids
+
+
+def _by_method(cells: Cells) -> str:
+    told = [f"{f'in {one.part} ' if one.part else ''}{_each(one.shares, 'with ')}{one.note}" for one in cells.by_method()]
+    return listed_parts(told)
+
+
+def _each(groups: Mapping[str, Share], before: str) -> str:
     """``with SCOAM in 1 of 2 flights and with no avoidance in 0 of 2``; of many the best and the worst."""
     named = list(groups.items())
     if len(named) <= MOST_NAMED:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import partial
 from statistics import median
 from typing import Any
 
@@ -9,6 +10,7 @@ from testbed.results.columns import BY_NAME
 from testbed.results.flight_row import collided, keeps, value
 from testbed.results.statistics import share_interval
 from testbed.show import words
+from testbed.show.alike import ENOUGH_FOR_INTERVAL, Who
 from testbed.show.gathered import HEADLINES, KINEMATIC, Gathered, Group, Row, flyer, method
 from testbed.show.pairs import Pair
 from testbed.show.shown_columns import SUMMARISED, text
@@ -34,15 +36,21 @@ def sentences(of: Gathered, matched: Sequence[Pair], over_axes: Sequence[str] = 
     if over_axes:
         return said + list(over_axes)
     for name, by_method in of.by_flyer.items():
-        parts = [f"in {_collided(same)} {with_method(same.first)}" for same in by_method.values()]
+        counted = of.compared.counted("method", partial(_is_of, name))
+        parts = [f"in {_collided(same, counted[key].drawn)} {with_method(same.first)}" for key, same in by_method.items()]
         plant = next(iter(by_method.values())).first["plant"]
         said.append(f"{'The ' if plant == KINEMATIC else ''}{name} came closer than an obstacle's radius {words.listed(parts)}.")
     return said + _comparison([pair for pair in matched if pair.flown["replans"]])
 
 
-def _collided(group: Group) -> str:
+def _is_of(name: str, who: Who) -> bool:
+    return who.flyer == name
+
+
+def _collided(group: Group, drawn: bool = True) -> str:
+    """``drawn``: whether the flights are a sample, so that an interval says something."""
     text = f"{group.hits} of {words.counted(group.n, 'flight')}"
-    if group.n >= 10:
+    if group.n >= ENOUGH_FOR_INTERVAL and drawn:
         text += f" (95 % interval {words.interval(*share_interval(group.hits, group.n), 'share')})"
     return text
 

@@ -60,9 +60,12 @@ class Comparison:
     @property
     def told_differences(self) -> list[Difference]:
         """Those of the columns that pages show, or of a study's own figures."""
-        shown = {column.name for column in SHOWN_COLUMNS}
-        of = self.compared.differences
-        return [one for one in of if one.column.name in shown] or list(of)
+        return _told(self.compared.differences)
+
+
+def _told(differences: Sequence[Difference]) -> list[Difference]:
+    shown = {column.name for column in SHOWN_COLUMNS}
+    return [one for one in differences if one.column.name in shown] or list(differences)
 
 
 def heading(one: Difference) -> str:
@@ -93,19 +96,26 @@ def circumstances(labels: Mapping[str, str]) -> str:
 
 
 def headline(of: Comparison) -> list[str]:
-    """The answer in two or three sentences."""
-    pairs = words.counted(len(of.compared.pairs), "pair")
+    """The answer in two or three sentences: what became of the radii before any median."""
+    lead = of.compared.lead
+    left = len(of.compared.pairs) - lead.n
+    pairs = words.counted(lead.n, "pair") + (" with avoidance" if left else "")
+    kept = [lead.kept] if lead.kept else list(of.compared.shares[:1])
     said = [
-        f"Of {words.counted(share.effect.n, 'pair')}, {share.first} {_plural(share.name)} in {of.first.name} and {share.second} in "
-        f"{of.second.name}: {share.only_first} only in the first, {share.only_second} only in the second."
-        for share in of.compared.shares[:1]
+        f"Of {pairs}, {one.only_first} no longer {_plural(one.name) if one.only_first != 1 else one.name} and {one.only_second} newly "
+        f"{'does' if one.only_second == 1 else 'do'}; {one.first} do in {of.first.name}, {one.second} in "
+        f"{of.second.name}."
+        for one in kept
     ] or [f"{pairs} compared."]
-    for one in of.told_differences[:1]:
-        alike = one.effect.n - one.up - one.down
-        moved = f"more in {one.up} and less in {one.down} of {words.counted(one.effect.n, 'pair')}" + (
+    for difference in _told(lead.differences)[:1]:
+        alike = difference.effect.n - difference.up - difference.down
+        moved = f"more in {difference.up} and less in {difference.down} of {words.counted(difference.effect.n, 'pair')}" + (
             f", in {alike} the same" if alike else ""
         )
-        said.append(f"{words.capital(heading(one))}: {moved}; in the median {interval(one)} {one.column.unit}".rstrip() + ".")
+        median = f"{interval(difference)} {difference.column.unit}".rstrip()
+        said.append(f"{words.capital(heading(difference))}: {moved}; in the median {median}.")
+    if left:
+        said.append(f"Left out of this: {words.counted(left, 'pair')} without avoidance.")
     if of.judged:
         said.append(f"{len(of.words)} of {of.words_in_both} words of {of.judged} changed.")
     return said

@@ -15,6 +15,7 @@ from testbed.flight.record import Outcome
 from testbed.results.columns import BY_NAME
 from testbed.results.flight_row import collided, keeps, met_obstacle, value
 from testbed.show import words
+from testbed.show.alike import Cells
 from testbed.show.shown_columns import SHOWN_COLUMNS, SUMMARISED
 
 Row = dict[str, Any]
@@ -120,6 +121,8 @@ class Gathered:
     """Of flights that met an obstacle: by who flew and by method, with their least clearance."""
     astray: dict[str, dict[str, LedGroup]] = field(default_factory=dict)
     """Of flights that met none, with how far they were off their path."""
+    compared: Cells = field(default_factory=Cells)
+    """Of flights that met an obstacle: counts that may stand beside each other."""
     replicates: dict[str, int] = field(default_factory=dict)
     """Part (empty without parts) to its replicates."""
     worst: dict[tuple[bool, str], Row] = field(default_factory=dict)
@@ -152,7 +155,9 @@ class Gathered:
         self._add_worst(row, light)
         part = str(row["labels"].get(PART, ""))
         self.replicates[part] = max(self.replicates.get(part, 0), int(row["replicate"]) + 1)
-        self.met += met_obstacle(row)
+        if met_obstacle(row):
+            self.met += 1
+            self.compared.add(row)
         groups, name = (self.by_flyer, "least_clearance_m") if met_obstacle(row) else (self.astray, "cross_track_max_m")
         groups.setdefault(flyer(row), {}).setdefault(method(row), LedGroup(light)).lead(row, name)
 

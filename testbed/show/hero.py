@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
 from markupsafe import Markup
 
@@ -10,13 +12,11 @@ from testbed.campaign.reading.blocks import resolved_parts
 from testbed.campaign.words.settings import Campaign
 from testbed.results.checks import CheckResult
 from testbed.results.columns import BY_NAME
-from testbed.results.statistics import share_interval
 from testbed.show import bars, words
-from testbed.show.campaign_summary import with_method
+from testbed.show.alike import NO_AVOIDANCE, Cells, Share, Who, listed_parts
 from testbed.show.gathered import KINEMATIC, Gathered, LedGroup, method
 
 MOST_ROWS = 12  # of the leading picture
-ENOUGH_FOR_INTERVAL = 10  # flights below which an interval says no more than the two counts
 LEADING, ASTRAY = BY_NAME["least_clearance_m"], BY_NAME["cross_track_max_m"]
 
 
@@ -48,6 +48,14 @@ def campaign_hero(campaign: Campaign, of: Gathered, checks: Sequence[CheckResult
         return Hero(check_answer(checks), rests(campaign, of), _outcomes(of), picture, caption)
     picture, caption = _picture(of)
     return Hero(_answer(of), rests(campaign, of), _outcomes(of), picture, caption)
+
+
+def unfinished(hero: Hero, provenance: Mapping[str, Any], noun: str = "flights") -> Hero:
+    """The same, with a note if the run is not finished."""
+    flown, planned = (provenance.get(key) for key in ("flights_flown", "flights_planned"))
+    if flown is None or planned is None or flown >= planned:
+        return hero
+    return replace(hero, notes=(Markup("Not finished: {} of {} {}.").format(flown, planned, noun), *hero.notes))
 
 
 def rests(campaign: Campaign, of: Gathered) -> str:
@@ -92,12 +100,27 @@ def _answer(of: Gathered) -> str:
         return f"Of {words.counted(of.n, 'flight')}, {words.outcomes(of.outcomes)}{far}."
     flyer = _leading_flyer(of.by_flyer)
     the = "The " if next(iter(of.by_flyer[flyer].values())).first["plant"] == KINEMATIC else ""
-    said = f"{the}{flyer} keeps every radius in {_by_method(of.by_flyer[flyer])}"
-    point = next((groups for groups in of.by_flyer.values() if next(iter(groups.values())).first["plant"] == KINEMATIC), None)
-    if point is None or point is of.by_flyer[flyer]:
-        return f"{said}."
-    same = {name: group for name, group in point.items() if name in of.by_flyer[flyer]}
-    return f"{said}; a point that flies its path exactly, in {_by_method(same or point)}."
+    point = next((name for name, groups in of.by_flyer.items() if next(iter(groups.values())).first["plant"] == KINEMATIC), flyer)
+    return f"{the}{flyer} keeps every radius in {_compared(of.compared, flyer, point)}."
+
+
+def _is_of(flyers: Sequence[str], methods: Sequence[str], who: Who) -> bool:
+    return who.flyer in flyers and who.method in methods
+
+
+def _compared(cells: Cells, flyer: str, point: str) -> str:
+    """The methods of the flyer, and of the point, counted where each of them was flown. Part for part where there is no such place."""
+    methods = cells.names("method", lambda who: who.flyer == flyer)
+    if point != flyer:
+        of_both = partial(_is_of, (flyer, point), methods)
+        both = cells.alike("flyer", "method", which=of_both)
+        by_flyer = [{method: share for (who, method), share in both.items() if who == name} for name in (flyer, point)]
+        if all(by_flyer):
+            return (
+                f"{_by_method(by_flyer[0])}; a point that flies its path exactly, in {_by_method(by_flyer[1])}{cells.note(both, of_both)}"
+            )
+    alone = cells.by_method(lambda who: who.flyer == flyer)
+    return listed_parts([f"{_by_method(one.shares)}{f' of part {one.part}' if one.part else ''}{one.note}" for one in alone])
 
 
 def _leading_flyer(by_flyer: Mapping[str, Mapping[str, LedGroup]]) -> str:
@@ -111,22 +134,19 @@ def _leading_flyer(by_flyer: Mapping[str, Mapping[str, LedGroup]]) -> str:
     return max(by_flyer, key=rank)
 
 
-def _by_method(groups: Mapping[str, LedGroup]) -> str:
+def _by_method(shares: Mapping[str, Share]) -> str:
     """``12 of 40 flights with SCOAM and 0 of 40 without avoidance``; of more than three methods the best and the worst."""
-    avoiding = [group for group in groups.values() if group.first["method"] != "none"] or list(groups.values())
+    avoiding = [name for name in shares if name != NO_AVOIDANCE] or list(shares)
     shown = avoiding
     if len(avoiding) > 2:
-        ranked = sorted(avoiding, key=lambda group: -group.kept / group.n)
+        ranked = sorted(avoiding, key=lambda name: -shares[name].kept / shares[name].n)
         shown = [ranked[0], ranked[-1]]
-    shown = [*shown, *(group for group in groups.values() if group not in avoiding)]
-    return words.listed([f"{_kept(group)} {with_method(group.first)}" for group in shown])
+    shown = [*shown, *(name for name in shares if name not in avoiding)]
+    return words.listed([_kept(name, shares[name]) for name in shown])
 
 
-def _kept(group: LedGroup) -> str:
-    text = f"{group.kept} of {words.counted(group.n, 'flight')}"
-    if group.n >= ENOUGH_FOR_INTERVAL:
-        text += f" (95 % interval {words.interval(*share_interval(group.kept, group.n), 'share')})"
-    return text
+def _kept(method: str, share: Share) -> str:
+    return f"{share.told('flight')} {'without avoidance' if method == NO_AVOIDANCE else f'with {method}'}"
 
 
 def _picture(of: Gathered) -> tuple[Markup, str]:

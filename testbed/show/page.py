@@ -15,7 +15,7 @@ from testbed.show import campaign_summary
 from testbed.show.assets import PageHead, asset, environment, packed_json, plotly
 from testbed.show.figures import figure_data
 from testbed.show.gathered import Gathered, Row, flyer, gather, method
-from testbed.show.hero import campaign_hero, check_answer
+from testbed.show.hero import campaign_hero, check_answer, unfinished
 from testbed.show.histogram import histograms
 from testbed.show.over_axis import OverAxes
 from testbed.show.over_axis_svg import pictures
@@ -58,7 +58,7 @@ def render_page(
     told = campaign_summary.sentences(of, matched, over.sentences()) if of.n else []
     flights = flights_table(of, axes, listed_axes, series)
     parts = {
-        "words": "Words",
+        "words": "Words" if told or checks else "",
         "checks": "Check" if checks else "",
         "pairs": "Pairs" if matched or unmatched else "",
         "over-axis": "Axes" if over_axis else "",
@@ -76,7 +76,7 @@ def render_page(
             campaign=campaign,
             kicker=campaign.name,
             question=campaign.question,
-            hero=(head.hero if head else None) or campaign_hero(campaign, of, checks),
+            hero=unfinished((head.hero if head else None) or campaign_hero(campaign, of, checks), provenance),
             files=[*files, *(["recordings/"] if flights.links else [])],
             links=[*(head.nav if head else ()), *((anchor, name) for anchor, name in parts.items() if name)],
             page_head=head,

@@ -1,12 +1,13 @@
 """Pairs of two runs, and what differs within them: against figures worked out by hand, and intervals by SciPy's."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from scipy import stats
 
 from testbed.results import statistics
-from testbed.results.compare import Flight, NotComparableError, compare, flight
+from testbed.results.compare import Flight, NotComparableError, compare, flight, swept
 
 
 def flights(count, change=0.0, *, hit=(), **labels):
@@ -101,3 +102,29 @@ def test_searches_of_a_study_are_compared_by_their_own_figures():
     (lead,) = compare(searched(1.0, 2.0, math.inf), searched(1.5, 2.5, 3.0)).differences  # of a list there is no difference
     assert (lead.column.heading, lead.column.unit) == ("lead", "s")
     assert (lead.effect.n, lead.effect.value) == (2, 0.5)  # none of what is infinite
+
+
+def test_axes_are_those_of_the_part_even_if_no_flight_of_it_is_done():
+    slow, wide = ([one for x in "12" for one in flights(1, part=part, **{axis: x})] for part, axis in (("a", "k"), ("b", "radius")))
+    both = swept(one.labels for one in slow + wide)
+    found = compare(slow, slow + wide, planned=(both, both))
+    assert (len(found.pairs), found.only_first, found.only_second) == (2, 0, 2)
+    assert set(found.axes) == {"air", "part", "k", "radius"}
+    other = [replace(one, labels={**one.labels, "k": "9"}) for one in slow[:1]]  # part a alone: what each run has of it tells them apart
+    found = compare(slow[:1] + wide, other + wide)
+    assert [(pair.first.labels.get("k"), pair.second.labels.get("k")) for pair in found.pairs] == [("1", "9"), (None, None), (None, None)]
+    with pytest.raises(NotComparableError, match="have air calm, part b; they differ in radius"):
+        compare(slow + wide, slow + wide, on=["air", "part", "k"])
+
+
+def test_a_median_does_not_make_up_for_pairs_that_no_longer_keep_clear():
+    first, second = flights(10), flights(10, 5.0, hit=(8, 9))
+    unavoiding = [replace(one, labels={"air": "calm", "method": "none"}, avoids=False) for one in flights(10)]
+    found = compare(first + unavoiding, second + unavoiding)
+    assert (found.lead.n, found.lead.kept.only_first, found.lead.differences[0].tone) == (10, 2, "changed")
+    assert compare(first, flights(10, 5.0)).lead.differences[0].tone == "better"
+
+
+def test_a_change_that_is_told_as_nought_is_none():
+    (clearance, *_) = compare(flights(10), flights(10, -0.004)).differences
+    assert (clearance.effect.high < 0.0, clearance.tone) == (True, "same")

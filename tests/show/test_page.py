@@ -383,3 +383,15 @@ def test_crowded_cells_have_a_histogram_that_counts_every_flight() -> None:
     counts = np.histogram(rms, np.linspace(0.0, np.percentile(rms, 99), BINS + 1))[0]
     assert heights == pytest.approx((HEIGHT * counts[counts > 0] / counts.max()).tolist(), abs=0.06)
     assert f"{200 - counts.sum()} beyond" in svg
+
+
+def test_an_unfinished_run_says_so_on_top(four: tuple[list[Row], dict[str, Any]]) -> None:
+    def page(rows: list[Row], planned: int) -> str:
+        return render_page(campaign(), rows, four[1], PROVENANCE | {"flights_flown": len(rows), "flights_planned": planned})
+
+    assert '<p class="note-bar">Not finished: 4 of 9 flights.</p>' in page(four[0], 9)
+    assert 'note-bar">' not in page(four[0], 4)
+    none = page([], 9)
+    assert "Not finished: 0 of 9 flights." in none
+    assert "In words and numbers" not in none
+    assert "#words" not in none

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from testbed.show.assets import asset, environment
+from testbed.show.hero import unfinished
 from testbed.show.words import number, percent
 from testbed.studies.lead_time.compare import Priced, Shares, Summary, Who, groups, insertion, limits, shares, summary, winds
 from testbed.studies.lead_time.lead_distributions import Cost, Estimate
@@ -63,7 +64,7 @@ def page_text(study: Searches) -> str:
             title=study.question,
             question=study.question,
             kicker="lead time",
-            hero=hero(plain, lines),
+            hero=unfinished(hero(plain, lines), study.provenance, "searches"),
             files=["lead_time.csv"],
             sentences=sentences(by_who, calm, plain, turbulent),
             cards=_cards(plain),

@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from statistics import median
 
 import pytest
@@ -55,3 +56,5 @@ def test_the_answer_stands_before_the_tables_and_the_sentences_after_them() -> N
     order = ["SCOAM needs a lead of", 'class="dot c1"', 'id="leads"', 'id="waste"', 'id="words"', 'id="definitions"']
     assert [page.index(part) for part in order] == sorted(page.index(part) for part in order)
     assert page == page_text(searches())
+    assert "Not finished" not in page
+    assert "Not finished: 78 of 90 searches." in page_text(replace(searches(), provenance=PROVENANCE | {"flights_planned": 90}))
