@@ -5,10 +5,12 @@ It is taken from the rows as they go by, and kept in the run's ``answer.json``, 
 
 import math
 from array import array
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Final
 
+from testbed.flight.record import Outcome
 from testbed.results.checks import CheckResult
 from testbed.results.flight_row import collided, keeps, met_obstacle, value
 from testbed.results.statistics import share_interval, spread
@@ -98,9 +100,11 @@ class Tally:
         self._bars: dict[str, _Group] = {}
         self._nearest: tuple[float, Row] | None = None
         self._farthest: tuple[float, Row] | None = None
+        self._outcomes: Counter[str] = Counter()
 
     def add(self, row: Row) -> None:
         """One more flight."""
+        self._outcomes[row["outcome"]] += 1
         off = value(row, "cross_track_max_m")
         if math.isfinite(off) and (self._farthest is None or off > self._farthest[0]):
             self._farthest = off, row
@@ -118,6 +122,8 @@ class Tally:
     def answer(self, checks: Sequence[CheckResult] = ()) -> Answer:
         """What came out; of a check whether it passed."""
         lines = [check_answer(checks)] if checks else []
+        if failed := self._outcomes[Outcome.CRASHED.value]:
+            lines.append(_failed(failed, self._outcomes.total()))
         if self._methods:
             lines.append(f"Every radius was kept {_each(self._methods, 'with ')}.")
         if len(self._flyers) > 1 and len(self._methods) > 1:
@@ -125,6 +131,8 @@ class Tally:
         chosen = self._nearest or self._farthest
         if chosen is not None:
             lines.append(_looked_at(*chosen, met=self._nearest is not None))
+        if not lines and self._outcomes:
+            lines.append(f"Nothing could be measured: {words.outcomes(self._outcomes)}.")
         bars = tuple(_bar(name, group) for name, group in list(self._bars.items())[:MOST_BARS])
         return Answer(tuple(lines[:3]), bars, flight=chosen[1]["flight_id"] if chosen else "")
 
@@ -137,6 +145,13 @@ def _each(groups: dict[str, _Group], before: str) -> str:
     ranked = sorted(named, key=lambda item: item[1].kept / item[1].n)
     (worst, least), (best, most) = ranked[0], ranked[-1]
     return f"most often {before}{best}, in {most.told()}, and least often {before}{worst}, in {least.told()} ({len(named)} compared)"
+
+
+def _failed(failed: int, flights: int) -> str:
+    """How many have no result, which the counts after it are without."""
+    if failed < flights:
+        return f"{failed} of {flights} flights failed to run."
+    return f"All {flights} flights failed to run." if flights > 1 else "Its only flight failed to run."
 
 
 def _looked_at(amount: float, row: Row, met: bool) -> str:
