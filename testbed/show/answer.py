@@ -151,7 +151,8 @@ def _failed(failed: int, flights: int) -> str:
     """How many have no result, which the counts after it are without."""
     if failed < flights:
         return f"{failed} of {flights} flights failed to run."
-    return f"All {flights} flights failed to run." if flights > 1 else "Its only flight failed to run."
+    who = {1: "Its only flight", 2: "Both flights"}.get(flights, f"All {flights} flights")
+    return f"{who} failed to run."
 
 
 def _looked_at(amount: float, row: Row, met: bool) -> str:

@@ -45,6 +45,7 @@ def test_flights_without_a_result_are_told():
     nan = float("nan")
     failed = [row(name, "scoam", nan, cross_track_max_m=nan, outcome="crashed") for name in "abc"]
     assert told(failed).lines == ("All 3 flights failed to run.",)
+    assert told(failed[:2]).lines == ("Both flights failed to run.",)
     assert told(failed[:1]).lines == ("Its only flight failed to run.",)
     some = told([*failed[:2], row("d", "scoam", 2.0)]).lines
     assert some[:2] == ("2 of 3 flights failed to run.", "Every radius was kept with SCOAM in 1 of 1.")
