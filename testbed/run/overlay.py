@@ -209,7 +209,9 @@ def _nearest(flights: list[Row], numbers: list[int], asked: int) -> list[int]:
 
     def apart(number: int) -> tuple[bool, bool, int]:
         one, other = flights[number], flights[asked]
-        settings = sum(one[name] != other[name] for name in ("guidance", "rates", "speed_hold", "traffic"))
+        names = ["guidance", "rates", "speed_hold"]
+        names += ["traffic"] if rung_of(one).rough and rung_of(other).rough else []  # in calm air all traffic is the same
+        settings = sum(one[name] != other[name] for name in names)
         return one["labels"].get(PART) != other["labels"].get(PART), one["aircraft"] != other["aircraft"], settings
 
     least = min(map(apart, numbers))

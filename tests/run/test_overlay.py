@@ -101,7 +101,7 @@ parts:
         mass_level: {plant.kind: point_mass, geometry: level, aircraft: c172p}
   strong:
     set: {air.wind: {kind: steady, speed_mps: 15, from_deg: 240}}
-    sweep: {flown_by: {mass: {plant.kind: point_mass}}}
+    sweep: {flown_by: {mass: {plant.kind: point_mass, traffic.in_wind: drifts}}}
   calm:
     sweep: *rungs
 """
