@@ -38,7 +38,10 @@ def runs(
 
         if not folder.is_dir():
             fail(f"{folder}: no such directory; `testbed run campaigns/smoke.yaml` makes a first run")
-        for run in listed.runs_in(folder):
+        there = listed.runs_in(folder)
+        if not there:
+            say(f"{folder}: no run lies in it; `testbed run campaigns/smoke.yaml` makes a first one in reports/runs", sys.stderr)
+        for run in there:
             say(f"{run.path}{f'  {run.when} UTC' if run.when else ''}")
             told = [run.question, run.state, *(run.answer.lines if run.answer else ())]
             say("".join(f"  {line}\n" for line in told if line))

@@ -51,7 +51,7 @@ def checked(what: str, part: Any, given: int, options: Mapping[str, Any]) -> dic
     try:
         found = model.model_validate(dict(options))
     except ValidationError as error:
-        raise ValidationError.from_exception_data("options", [_told(what, item, known) for item in _whole(error.errors())]) from None
+        raise ValidationError.from_exception_data("options", [_told(what, item, known) for item in _whole(error.errors(), model)]) from None
     return {name: getattr(found, name) for name in known if name in found.model_fields_set}
 
 
@@ -65,7 +65,31 @@ def blamed(message: str, options: Mapping[str, Any]) -> ValidationError:
     return ValidationError.from_exception_data("options", [place])
 
 
-def _whole(errors: list[ErrorDetails]) -> list[ErrorDetails]:
+def fixed_length(kind: Any, *way: int | str) -> int | None:
+    """How many items a tuple has that has a fixed number of them, such as a point; None for anything else. ``way`` leads to it."""
+    if get_origin(kind) is Annotated:
+        return fixed_length(get_args(kind)[0], *way)
+    if get_origin(kind) in (Union, types.UnionType):
+        return next((found for part in get_args(kind) if (found := fixed_length(part, *way)) is not None), None)
+    if way:
+        return fixed_length(_inside(kind, way[0]), *way[1:])
+    items = get_args(kind) if get_origin(kind) is tuple else ()
+    return len(items) if items and items[-1] is not Ellipsis else None
+
+
+def _inside(kind: Any, step: int | str) -> Any:
+    """Type of what a key or an index leads to; None if that is not known."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind.model_fields[str(step)].annotation if step in kind.model_fields else None
+    if get_origin(kind) is not tuple:
+        return None
+    if isinstance(step, str):  # pydantic's name for an alternative of a union
+        return kind
+    items = get_args(kind)
+    return items[0] if items[-1] is Ellipsis else items[step] if step < len(items) else None
+
+
+def _whole(errors: list[ErrorDetails], model: type[BaseModel]) -> list[ErrorDetails]:
     """The errors, where those of a tuple's missing items (pydantic has one for each, up to the last) are one of the tuple's length."""
     lengths: dict[tuple[int | str, ...], int] = {}
     for error in errors:
@@ -76,10 +100,17 @@ def _whole(errors: list[ErrorDetails]) -> list[ErrorDetails]:
     for error in errors:
         loc = error["loc"]
         if error["type"] == "missing" and (wanted := lengths.get(loc[:-1])):
-            context = {"field_type": "Tuple", "min_length": wanted, "actual_length": len(error["input"])}
-            loc, error = loc[:-1], {**error, "type": "too_short", "loc": loc[:-1], "ctx": context}  # noqa: PLW2901
+            loc, error = loc[:-1], _of_length(error, loc[:-1], wanted)  # noqa: PLW2901
+        elif error["type"] == "too_long" and (wanted := fixed_length(model, *loc) or 0):
+            error = _of_length(error, loc, wanted)  # noqa: PLW2901
         found[loc, error["type"]] = error
     return list(found.values())
+
+
+def _of_length(error: ErrorDetails, loc: tuple[int | str, ...], wanted: int) -> ErrorDetails:
+    """The error of a tuple that has to have so many items."""
+    text, context = "must have {wanted} values, not {actual}", {"wanted": wanted, "actual": len(error["input"])}
+    return {**error, "type": "wrong_length", "loc": loc, "msg": text, "ctx": context}
 
 
 def _told(what: str, error: ErrorDetails, known: list[str]) -> InitErrorDetails:

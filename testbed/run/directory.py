@@ -36,6 +36,24 @@ class BadInputError(Exception):
     """What was asked for cannot be done; str() says why and what to do."""
 
 
+def recording_file(path: Path) -> Path:
+    """Where a recording is to be written, absolute, with its folder made. Raises ``BadInputError``, or ``OSError``, if it cannot be.
+
+    To be asked before anything is flown: what writes recordings says of a place that refuses them nothing that helps.
+    """
+    recording = Path(os.path.realpath(path))
+    if recording.exists() and not recording.is_file():
+        raise BadInputError(f"{recording}: a directory; name a file with --out" if recording.is_dir() else f"{recording}: not a file")
+    recording.parent.mkdir(parents=True, exist_ok=True)
+    beside = recording.with_name(f"{recording.name}.{os.getpid()}.part")
+    try:
+        beside.touch()
+    except OSError as problem:
+        raise BadInputError(f"{recording}: {problem.strerror}") from None
+    beside.unlink()
+    return recording
+
+
 @dataclass(frozen=True)
 class RunDirectory:
     """Paths in a run directory. ``manifest.json`` is written first and removed last: a folder without it is not ours."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from testbed.results.columns import METRICS
 from testbed.run import identity, journal, manifest
-from testbed.run.directory import BadInputError
+from testbed.run.directory import BadInputError, recording_file
 from testbed.run.engines import Died, LocalEngine, limited
 from testbed.run.job import Job, JobResult, Row, crashed, run_job
 from testbed.run.stored import existing, journal_read, number_in, plan_of, rows_of, world_of_run
@@ -32,10 +32,7 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
     plan = planned.plans[number]
     if plan.study.part.flies:
         raise BadInputError(f"{path}: '{plan.flight_id}' is what the study '{plan.study.kind}' flies, and cannot be replayed as one flight")
-    recording = (out or directory.recordings / f"{plan.flight_id}.rrd").resolve()
-    if recording.is_dir():
-        raise BadInputError(f"{recording}: a directory; name a file with --out")
-    recording.parent.mkdir(parents=True, exist_ok=True)  # here, where what is wrong with the place can be told
+    recording = recording_file(out or directory.recordings / f"{plan.flight_id}.rrd")
     rows = rows_of(directory)
     places = rows.places(planned.ids[[number]])
     with journal_read():

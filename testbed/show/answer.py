@@ -5,10 +5,12 @@ It is taken from the rows as they go by, and kept in the run's ``answer.json``, 
 
 import math
 from array import array
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Final
 
+from testbed.flight.record import Outcome
 from testbed.results.checks import CheckResult
 from testbed.results.flight_row import collided, keeps, met_obstacle, value
 from testbed.results.statistics import spread
@@ -92,9 +94,11 @@ class Tally:
         self._bars: dict[str, _Group] = {}
         self._nearest: tuple[float, Row] | None = None
         self._farthest: tuple[float, Row] | None = None
+        self._outcomes: Counter[str] = Counter()
 
     def add(self, row: Row) -> None:
         """One more flight."""
+        self._outcomes[row["outcome"]] += 1
         off = value(row, "cross_track_max_m")
         if math.isfinite(off) and (self._farthest is None or off > self._farthest[0]):
             self._farthest = off, row
@@ -110,6 +114,8 @@ class Tally:
     def answer(self, checks: Sequence[CheckResult] = ()) -> Answer:
         """What came out; of a check whether it passed."""
         lines = [check_answer(checks)] if checks else []
+        if failed := self._outcomes[Outcome.CRASHED.value]:
+            lines.append(_failed(failed, self._outcomes.total()))
         if self._bars:
             lines.append(f"Every radius was kept {_by_method(self._cells)}.")
         avoiding = self._cells.alike("flyer", which=_avoids)
@@ -119,6 +125,8 @@ class Tally:
         chosen = self._nearest or self._farthest
         if chosen is not None:
             lines.append(_looked_at(*chosen, met=self._nearest is not None))
+        if not lines and self._outcomes:
+            lines.append(f"Nothing could be measured: {words.outcomes(self._outcomes)}.")
         bars = tuple(_bar(name, group) for name, group in list(self._bars.items())[:MOST_BARS])
         return Answer(tuple(lines[:3]), bars, flight=chosen[1]["flight_id"] if chosen else "")
 
@@ -140,6 +148,14 @@ def _each(groups: Mapping[str, Share], before: str) -> str:
     ranked = sorted(named, key=lambda item: item[1].kept / item[1].n)
     (worst, least), (best, most) = ranked[0], ranked[-1]
     return f"most often {before}{best}, in {most.told()}, and least often {before}{worst}, in {least.told()} ({len(named)} compared)"
+
+
+def _failed(failed: int, flights: int) -> str:
+    """How many have no result, which the counts after it are without."""
+    if failed < flights:
+        return f"{failed} of {flights} flights failed to run."
+    who = {1: "Its only flight", 2: "Both flights"}.get(flights, f"All {flights} flights")
+    return f"{who} failed to run."
 
 
 def _looked_at(amount: float, row: Row, met: bool) -> str:

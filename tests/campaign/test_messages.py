@@ -54,6 +54,14 @@ ONE_FAULT = [
     ("[106, 12.4]", "[106, 91]", "16:26: obstacles.O.direction_deg[1]: must be at most 90 deg, not 91 deg", ""),
     ("[106, 12.4]", "[106]", "16:20: obstacles.O.direction_deg: must have 2 values, not 1", ""),
     ("[0, 0, 0]", "[]", "7:16: route.start_enu_m: must have 3 values, not 0", ""),
+    *[
+        ("plant:", f"replan: {{search: {{k_factors: {written}}}}}\nplant:", f"19:{column}: replan.search.k_factors{told}", "")
+        for written, column, told in (
+            ("[]", 30, ": must have at least 1 value, not 0"),
+            ("[1, 2, 3, 4, 5, 6, 7, 8, 9]", 30, ": must have at most 8 values, not 9"),
+            ("[0.5]", 31, "[0]: must be at least 1, not 0.5"),
+        )
+    ],
     ("[0, 0, 0]", "[0, 0, 0, 0]", "7:16: route.start_enu_m: must have 3 values, not 4", ""),
     ("[0, 0, 0]", "0", "7:16: route.start_enu_m: must be a list, not 0", ""),
     ("[0, 0, 0]", "[500, 200, 100]", "6:1: route: start_enu_m and goal_enu_m are the same point", ""),

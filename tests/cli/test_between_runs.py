@@ -51,6 +51,12 @@ def call(place, monkeypatch):
     return lambda *words: SHELL.invoke(app, [str(word) for word in words])
 
 
+def test_a_folder_without_runs_says_so(call, tmp_path):
+    done = call("runs", tmp_path)
+    assert (done.exit_code, done.stdout) == (0, "")
+    assert f"{tmp_path}: no run lies in it" in done.stderr
+
+
 def test_runs_are_listed_with_question_and_answer(call, place):
     done = call("runs", "--page")
     assert done.exit_code == 0

@@ -47,6 +47,19 @@ def test_of_many_methods_it_names_the_best_and_the_worst():
     assert told(rows).lines[0] == "Every radius was kept most often with b, in 4 of 4, and least often with c, in 0 of 4 (4 compared)."
 
 
+def test_flights_without_a_result_are_told():
+    nan = float("nan")
+    failed = [row(name, "scoam", nan, cross_track_max_m=nan, outcome="crashed") for name in "abc"]
+    assert told(failed).lines == ("All 3 flights failed to run.",)
+    assert told(failed[:2]).lines == ("Both flights failed to run.",)
+    assert told(failed[:1]).lines == ("Its only flight failed to run.",)
+    some = told([*failed[:2], row("d", "scoam", 2.0)]).lines
+    assert some[:2] == ("2 of 3 flights failed to run.", "Every radius was kept with SCOAM in 1 of 1.")
+    assert told([row("a", "scoam", nan, cross_track_max_m=nan, outcome="trim_failed")]).lines == (
+        "Nothing could be measured: 1 could not be trimmed.",
+    )
+
+
 def test_without_an_obstacle_it_says_how_far_from_the_path():
     answer = told([row("a", "none", float("nan")), row("b", "none", float("nan"), cross_track_max_m=2.5)])
     assert answer.lines == ("Farthest from its path: 2.50 m (gtm_t2 flown in JSBSim, no avoidance; flight b).",)

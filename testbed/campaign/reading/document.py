@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from testbed.campaign.reading.error_words import worded
+from testbed.campaign.reading.error_words import follows, worded
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import Problem, Spot, did_you_mean
 from testbed.campaign.reading.vocabulary import Loc
@@ -187,6 +187,8 @@ def faults_of(error: ValidationError, root: type[BaseModel] = Campaign) -> list[
     found: dict[Fault, None] = {}
     misspelt: set[Loc] = set()
     for item in error.errors(include_url=False)[:MOST_FAULTS]:
+        if follows(item):
+            continue
         loc, message, hint = worded(item, root)
         found[Fault(loc, message, hint, at_key=item["type"] in UNKNOWN)] = None
         if item["type"] == "extra_forbidden" and hint.startswith("did you mean"):

@@ -2,15 +2,16 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from testbed.campaign.reading.problems import did_you_mean
-from testbed.campaign.reading.vocabulary import Loc, keys, members, unit_of, untagged
+from testbed.campaign.reading.vocabulary import Loc, below, keys, unit_of, untagged
 from testbed.campaign.words.settings import Campaign
 from testbed.campaign.words.study import formerly
+from testbed.core.options import fixed_length
 
 _BOUNDS = {
     "greater_than": ("gt", "more than"),
@@ -114,16 +115,24 @@ def unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     return message, hint
 
 
+def follows(error: ErrorDetails) -> bool:
+    """Whether pydantic says only that a list is short of what it has itself refused: the refused items have errors of their own."""
+    return error["type"] == "too_short" and len(error["input"]) >= error["ctx"]["min_length"]
+
+
 def _incomplete(loc: Loc, kind: str, value: Any, context: dict[str, Any], root: type[BaseModel]) -> tuple[Loc, str, str]:
     """A missing key, or a list of the wrong length."""
     if kind == "missing" and isinstance(loc[-1], str):
         return loc, "this key is missing", ""
+    _, holder = untagged(loc, root)
     if kind == "missing":  # an item of a list of fixed length; pydantic says so once for each
-        _, holder = untagged(loc, root)
-        wanted = len(get_args(members(holder)[0]))
-        return loc[:-1], f"must have {wanted} values, not {len(value)}", ""
-    limit = context.get("max_length", context.get("min_length"))
-    return loc, f"must have {limit} values, not {context['actual_length']}", ""
+        loc, wanted = loc[:-1], fixed_length(holder)
+    else:
+        wanted = fixed_length(below(holder, loc[-1])) if loc else None
+    words = ""
+    if wanted is None:
+        wanted, words = (context["min_length"], "at least ") if kind == "too_short" else (context["max_length"], "at most ")
+    return loc, f"must have {words}{wanted} value{'' if wanted == 1 else 's'}, not {len(value)}", ""
 
 
 def _unit_advice(value: Any, unit: str) -> str:
