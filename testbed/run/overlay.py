@@ -184,14 +184,5 @@ def _names(flights: list[Row]) -> list[str]:
 
 
 def _name(flight: Row) -> str:
-    rung, air = rung_of(flight), flight["air"]
-    wind, turbulence = air["wind"], air["turbulence"]
-    around = words.air(
-        wind["kind"],
-        wind.get("speed_mps", 0.0),
-        wind.get("from_deg", 0.0),
-        air["gust"]["kind"],
-        turbulence["kind"],
-        turbulence.get("severity", ""),
-    )
-    return f"{words.rung(rung.plant, rung.ideal, rung.answer)} {around}"
+    rung = rung_of(flight)
+    return f"{words.rung(rung.plant, rung.ideal, rung.answer)} {words.air_of(flight['air'])}"
