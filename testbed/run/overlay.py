@@ -236,14 +236,5 @@ def _least_of_rows(directory: RunDirectory, planned: Planned, numbers: list[int]
 
 def _name(flight: Row) -> str:
     """What tells a flight from the others: rung and air."""
-    rung, air = rung_of(flight), flight["air"]
-    wind, turbulence = air["wind"], air["turbulence"]
-    around = words.air(
-        wind["kind"],
-        wind.get("speed_mps", 0.0),
-        wind.get("from_deg", 0.0),
-        air["gust"]["kind"],
-        turbulence["kind"],
-        turbulence.get("severity", ""),
-    )
-    return f"{words.rung(rung.plant, rung.ideal, rung.answer)} {around}"
+    rung = rung_of(flight)
+    return f"{words.rung(rung.plant, rung.ideal, rung.answer)} {words.air_of(flight['air'])}"

@@ -92,7 +92,8 @@ class Listed:
         return dict(zip(LISTED, self.told, strict=True)) | metrics
 
 
-LISTED: Final = ("flight_id", "labels", "plant", "aircraft", "method", "alike", "replicate", "outcome", "geometry", "message", "recording")
+SHARED: Final = ("plant", "aircraft", "method", "alike", "air")  # mostly the same in many rows
+LISTED: Final = ("flight_id", "labels", *SHARED, "replicate", "outcome", "geometry", "message", "recording")
 
 
 @dataclass
@@ -137,7 +138,7 @@ class Gathered:
 
     def add(self, row: Row) -> None:
         """One more flight, in plan order. ``encounter`` and ``geometry`` are in it if it has curves; ``alike`` is what it
-        shares with the flights that it may be paired with.
+        shares with the flights that it may be paired with, ``air`` what it flew in, in words.
         """
         light = {**row, "events": ()}
         self.n += 1
@@ -193,8 +194,8 @@ class Gathered:
             self._shared.clear()
         labels = self._shared.setdefault(tuple(row["labels"].items()), row["labels"])
         told = {**{key: row.get(key) for key in LISTED}, "labels": labels}
-        same = (self._shared.setdefault(told[key], told[key]) for key in LISTED[2:6])
-        rest = (told[key] for key in LISTED[6:])
+        same = (self._shared.setdefault(told[key], told[key]) for key in SHARED)
+        rest = (told[key] for key in LISTED[2 + len(SHARED) :])
         return Listed((told["flight_id"], labels, *same, *rest), array("d", (value(row, column.name) for column in SHOWN_COLUMNS)))
 
     def _add_listed(self, row: Row) -> None:

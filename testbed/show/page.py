@@ -48,9 +48,10 @@ def render_page(
     names = head.names if head else {}
     over = OverAxes()
     alike = Alike(campaign)
-    of = gather(_named(row, names) | {"alike": alike(row)} | _of_series(series.get(row["flight_id"])) for row in over.watch(rows))
+    of = gather(_named(row, names) | alike(row) | _of_series(series.get(row["flight_id"])) for row in over.watch(rows))
     axes, listed_axes = of.telling_axes, of.listed_axes
     matched, unmatched = pairs(of)
+    several_airs = len({pair.flown["air"] for pair in matched}) > 1
     figures = figure_data(of.pictured, series, axes)
     cells = campaign_summary.cells(of, axes) if of.n >= CELLS_FROM or of.replicated else []
     moving = head.scenes if head and head.scenes else scenes(of.pictured, series, axes)
@@ -83,7 +84,7 @@ def render_page(
             sentences=([check_answer(checks)] if checks else []) + told,
             cards=campaign_summary.cards(of) if of.n else [],
             checks=[_check(line) for line in checks],
-            pairs=[_pair(pair, axes) for pair in _listed_pairs(matched)],
+            pairs=[_pair(pair, axes, several_airs) for pair in _listed_pairs(matched)],
             pairs_told=_pairs_told(of, matched, unmatched),
             pairs_met=any(pair.met for pair in matched),
             cells=cells_table(cells, [axis for axis in listed_axes if axis in axes]) if cells else None,
@@ -162,11 +163,13 @@ def _pairs_told(of: Gathered, matched: Sequence[Pair], unmatched: int) -> list[s
     return told
 
 
-def _pair(pair: Pair, axes: Sequence[str]) -> dict[str, Any]:
+def _pair(pair: Pair, axes: Sequence[str], several_airs: bool) -> dict[str, Any]:
     point, flown = (value(row, "least_clearance_m") for row in (pair.kinematic, pair.flown))
+    air = pair.flown["air"] if several_airs else ""  # which says of an axis of the air more than its label
+    shared = [axis for axis in axes if pair.flown["labels"].get(axis) == pair.kinematic["labels"].get(axis)]
+    told = with_replicate(pair.flown, [axis for axis in shared if not (air and axis.startswith("air."))])
     return {
-        "circumstances": with_replicate(pair.flown, [a for a in axes if pair.flown["labels"].get(a) == pair.kinematic["labels"].get(a)])
-        or "the encounter",
+        "circumstances": ", ".join(filter(None, (told, air))) or "the encounter",
         "flyer": flyer(pair.flown),
         "method": method(pair.flown),
         "verdict": pair.verdict,

@@ -5,12 +5,17 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from pydantic import ValidationError
+
 from testbed.campaign.reading.blocks import resolved_parts
+from testbed.campaign.words.air import Air
 from testbed.campaign.words.grid import PART
 from testbed.campaign.words.settings import Campaign
 from testbed.results.flight_row import keeps, met_obstacle
+from testbed.show import words
 from testbed.show.gathered import KINEMATIC, Gathered, Row
 
+AIR: Final = ("air",)
 WHO_FLIES: Final = ("plant", "aircraft")
 GOES_WITH_IT: Final = ("begin", "rates")
 """What an axis that says who flies may set besides: where on the route this one can begin, and how often it is computed."""
@@ -44,23 +49,44 @@ class Pair:
 
 
 class Alike:
-    """Says of a row what it has to share with another so that the two differ in who flew alone: part, method and replicate, and all that
-    its labels set but the plant and the aircraft. The labels are those of the campaign, before anybody renames them.
+    """Says of a row under ``alike`` what it has to share with another so that the two differ in who flew alone: part, method, and all that
+    its labels set but the plant and the aircraft. Under ``air``, in words, what it flew in. The labels are those of the campaign, before
+    anybody renames them.
     """
 
     def __init__(self, campaign: Campaign):
-        self._sweeps = {name: part.sweep for name, part in resolved_parts(campaign).items()}
-        self._of_cells: dict[str, str] = {}  # the last one alone: in plan order the flights of a cell follow each other
+        self._air = campaign.air.model_dump()
+        self._parts = resolved_parts(campaign)
+        self._last: tuple[str, dict[str, str]] = "", {}  # in plan order the flights of a cell follow each other
 
-    def __call__(self, row: Row) -> str:
+    def __call__(self, row: Row) -> dict[str, str]:
         cell = json.dumps([row["method"], row["labels"]])
-        if cell not in self._of_cells:
-            self._of_cells = {cell: self._key(row)}
-        return self._of_cells[cell]
+        if cell != self._last[0]:
+            self._last = cell, {"alike": self._key(row), "air": self._air_of(row)}
+        return self._last[1]
+
+    def _air_of(self, row: Row) -> str:
+        """Empty where the labels do not tell it: it is drawn, or the axis has whole sections as its values."""
+        part = self._parts.get(str(row["labels"].get(PART, "")))
+        if part is None or any(_is(path, AIR) for path in part.draw):
+            return ""
+        settings = list(part.set.items())
+        for axis, label in row["labels"].items():
+            levels = part.sweep.get(axis)
+            settings += levels.get(str(label), {}).items() if isinstance(levels, Mapping) else [(axis, _number(label))]
+        tree: dict[str, Any] = {"air": self._air}
+        for path, value in settings:
+            if _is(path, AIR):
+                tree = _with(tree, path.split("."), value)
+        try:
+            return words.air_of(Air.model_validate(tree["air"]).model_dump())
+        except ValidationError:
+            return ""
 
     def _key(self, row: Row) -> str:
         labels: Mapping[str, str] = row["labels"]
-        sweep = self._sweeps.get(str(labels.get(PART, "")), {})
+        part = self._parts.get(str(labels.get(PART, "")))
+        sweep = part.sweep if part else {}
         said: dict[str, Any] = {}
         for axis, label in labels.items():
             levels = sweep.get(axis)
@@ -73,6 +99,21 @@ class Alike:
             elif not _is(axis, WHO_FLIES):
                 said[axis] = label
         return json.dumps([row["method"], labels.get(PART, ""), said], sort_keys=True, default=str)
+
+
+def _number(label: str) -> object:
+    try:
+        return float(label)
+    except ValueError:
+        return label
+
+
+def _with(tree: Any, path: Sequence[str], value: object) -> Any:
+    """The tree with that value at that path."""
+    if not path:
+        return value
+    below = tree if isinstance(tree, Mapping) else {}
+    return {**below, path[0]: _with(below.get(path[0], {}), path[1:], value)}
 
 
 def _is(path: str, sections: Sequence[str]) -> bool:

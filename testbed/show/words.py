@@ -6,7 +6,7 @@ A study has the names of its own labels beside it; what every campaign has, plan
 import math
 import re
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 from testbed.core.units import DEG
 from testbed.flight.record import Outcome, inside
@@ -76,16 +76,7 @@ AXIS_HEADINGS: Final = {
     "air.turbulence.severity": "turbulence",
     "sensor.range_m": "seen from, m",
 }
-SETTING_UNITS: Final = {
-    "mps": "m/s",
-    "mps2": "m/s\N{SUPERSCRIPT TWO}",
-    "deg": "deg",
-    "dps": "deg/s",
-    "m": "m",
-    "s": "s",
-    "hz": "Hz",
-    "kg": "kg",
-}
+UNITS: Final = {"mps": "m/s", "mps2": "m/s\N{SUPERSCRIPT TWO}", "deg": "deg", "dps": "deg/s", "m": "m", "s": "s", "hz": "Hz", "kg": "kg"}
 """Ends of the names of settings, and the units that they stand for."""
 _BARE = re.compile(r"[+-]?[\d.]+([eE][+-]?\d+)?|[+-]?inf|true|false|null|\[.*")  # says nothing without its axis
 
@@ -205,7 +196,7 @@ def circumstance(axis: str, label: str) -> str:
 def setting(path: str) -> tuple[str, str]:
     """A dotted path as a name, and its unit, empty if it has none: ``obstacles.O.radius_m`` is ``obstacle O radius``, in ``m``."""
     stem, _, end = path.rpartition("_")
-    unit = SETTING_UNITS.get(end, "") if stem else ""
+    unit = UNITS.get(end, "") if stem else ""
     name = (stem if unit else path).replace(".options.", ".").replace(".", " ")
     return read_aloud(re.sub(r"^obstacles ", "obstacle ", name)), unit
 
@@ -313,3 +304,10 @@ def air(wind: str, wind_mps: float, from_deg: float, gust: str, turbulence: str,
     parts += [] if gust == "none" else ["a gust"]
     parts += [] if turbulence == "none" else [f"{severity} turbulence"]
     return f"in {listed(parts)}" if parts else "in calm air"
+
+
+def air_of(settings: Mapping[str, Any]) -> str:
+    """The same from the section ``air`` of a flight's plan."""
+    wind, turbulence = settings["wind"], settings["turbulence"]
+    speed_mps, from_deg = wind.get("speed_mps", 0.0), wind.get("from_deg", 0.0)
+    return air(wind["kind"], speed_mps, from_deg, settings["gust"]["kind"], turbulence["kind"], turbulence.get("severity", ""))

@@ -121,7 +121,10 @@ def test_a_number_of_the_method_s_own_is_an_axis_and_compass_points_are_directio
 
 def test_of_one_flight_a_point_has_no_interval(rows: list[Row]) -> None:
     over = _watched([row for row in rows if row["replicate"] == 0])
-    svg = str(over_axis_svg.pictures(over)["figures"][0]["each"][0][0]["svg"])  # type: ignore[index]  # least clearance: a share of one flight is none
+    figure = over_axis_svg.pictures(over)["figures"][0]  # type: ignore[index]
+    assert figure["notes"][0] == ""  # nothing is said of bars that are not there
+    assert "Bars: 95 % interval" in over_axis_svg.pictures(_watched(rows))["figures"][0]["notes"]  # type: ignore[index]
+    svg = str(figure["each"][0][0]["svg"])  # least clearance: a share of one flight is none
     assert svg.count("<circle") == 9
     assert svg.count("<path d=") == 3  # three lines, no bar
     assert interval_text("least_clearance_m", over.curves[0].panels[0].lines[0].points[0][1].effects["least_clearance_m"]) == "–"  # noqa: RUF001

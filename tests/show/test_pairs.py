@@ -16,6 +16,7 @@ PARTS = {
     "radii": {"set": {"plant.kind": "point_mass"}, "sweep": {"obstacles.O.radius_m": [15, 20]}},
     "level": {
         "replicates": 2,
+        "set": {"air.wind": {"kind": "steady", "speed_mps": 8, "from_deg": 240}},
         "sweep": {
             "flown_by": {
                 "rails": {"plant.kind": "kinematic"},
@@ -43,7 +44,7 @@ def row(plant: str, labels: dict[str, str], replicate: int = 0, clearance: float
 
 def gathered(rows: list[Row], of: Campaign) -> Gathered:
     alike = Alike(of)
-    return gather(one | {"alike": alike(one)} for one in rows)
+    return gather(one | alike(one) for one in rows)
 
 
 def test_only_who_flew_may_differ_and_the_rest_is_counted() -> None:
@@ -71,8 +72,16 @@ def test_only_who_flew_may_differ_and_the_rest_is_counted() -> None:
     page = render_page(campaign(parts=PARTS), rows, {}, {})
     section = page[page.index('<section id="pairs">') :].split("</section>", 1)[0]
     assert "4 flights have no point to compare with." in section
-    for told in (">margins, k 2<", ">level, no. 1<"):
+    for told in (">margins, k 2, in calm air<", ">level, no. 1, in wind 8 m/s from 240 deg<"):
         assert told in section
+
+
+def test_the_air_of_a_flight_is_told_where_its_labels_tell_it() -> None:
+    wind = {"air": {"wind": {"kind": "steady", "speed_mps": 5, "from_deg": 90}}}
+    swept = row("jsbsim", {"air.wind.speed_mps": "7.5"})
+    assert Alike(campaign(**wind, sweep={"air.wind.speed_mps": [5, 7.5]}))(swept)["air"] == "in wind 7.5 m/s from 90 deg"
+    assert Alike(campaign(**wind, draw={"air.wind.from_deg": {"within": 30}}))(swept)["air"] == ""
+    assert Alike(campaign(sweep={"air.wind": [{"kind": "calm"}]}))(row("jsbsim", {"air.wind": "{kind: calm}"}))["air"] == ""
 
 
 def test_without_an_obstacle_there_is_no_verdict_on_its_clearance() -> None:
