@@ -225,7 +225,7 @@ def test_it_plays_scrubs_and_pauses_and_its_clearance_is_the_record_s(
     same_as_the_records(page)
     drawn = "(id) => new Set(new Uint32Array(document.getElementById(id).getContext('2d').getImageData(0, 0, 400, 200).data.buffer)).size"
     for view in ("ep-plan", "ep-side", "ep-chase", "ep-strips"):
-        assert page.evaluate(drawn, view) > 20, view
+        assert page.evaluate(drawn, view) > 8, view  # blank would be one
     page.locator("#ep-scene").select_option("1")
     assert page.locator("#ep-rows td.ep-cell").first.get_attribute("data-flight") == other.ghosts[0].row["flight_id"]
     page.emulate_media(media="print")
