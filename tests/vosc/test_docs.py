@@ -62,7 +62,7 @@ def test_table_has_every_method_and_a_small_run_agrees_with_it(make):
             share[cells[0]] = [float(c) for c in cells[1:5]]
     tallies = make.measure(120)
     for (method, options), tally in zip(make.CASES, tallies, strict=True):
-        name = next(n for n in share if n.startswith(f"[{method}]") and ("=" in n) == bool(options))
+        name = " ".join(filter(None, (f"[{method}]({method}.md)", ", ".join(f"{k}={v}" for k, v in options.items()))))
         unsafe = 100 * tally.several["unsafe"] / tally.several.total()
         assert unsafe == pytest.approx(share[name][2], abs=18)  # 100 draws: 4 standard deviations
 
