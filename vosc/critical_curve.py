@@ -13,10 +13,9 @@ from typing import Final, Literal, NamedTuple
 from vosc.cone import Cone, Loop, is_free, loop_point, loops_of
 from vosc.free import zeros
 from vosc.turns import great_circle, least_turn
-from vosc.vec import Vec, angle, combine, cross, dot, norm, perpendicular, right_of, unit
+from vosc.vec import G_MPS2, Vec, angle, combine, cross, dot, norm, perpendicular, unit, up_and_right
 
 Performance = Literal["least_load_factor", "least_roll"]
-G_MPS2: Final = 9.80665
 BEARINGS: Final = 48  # directions in which a boundary point is looked for, before the best is refined
 REFINED: Final = 20  # steps of the golden section: a bearing to 1e-4 of the first step
 SAMPLES: Final = 96
@@ -30,13 +29,6 @@ class Demand(NamedTuple):
     bank_rad: float
 
 
-def _up_and_right(velocity_mps: Vec) -> tuple[Vec, Vec]:
-    """Unit vectors across the velocity, as the pilot with level wings sees them; straight up, the frame of a turn to the right."""
-    u = unit(velocity_mps)
-    up = perpendicular(u, (0.0, 0.0, 1.0), right_of(u))
-    return up, cross(u, up)
-
-
 def at_bearing(cones: Sequence[Cone], velocity_mps: Vec, bearing_rad: float) -> Vec | None:
     """The first free velocity on the way from v_u straight to one side, m/s; ``None`` where that side has none, or nothing moves.
 
@@ -44,7 +36,7 @@ def at_bearing(cones: Sequence[Cone], velocity_mps: Vec, bearing_rad: float) -> 
     """
     if norm(velocity_mps) == 0.0:
         return None
-    up, right = _up_and_right(velocity_mps)
+    up, right = up_and_right(velocity_mps)
     aside = combine(math.cos(bearing_rad), up, math.sin(bearing_rad), right)
     return least_turn(cones, [great_circle(velocity_mps, cross(unit(velocity_mps), aside))], (1,))
 
@@ -69,7 +61,7 @@ def with_component(cones: Sequence[Cone], velocity_mps: Vec, axis: int, value_mp
 
 def demand(velocity_mps: Vec, command_mps: Vec, within_s: float) -> Demand:
     """The lift of a steady turn from one velocity to another of the same size in ``within_s`` seconds, at its beginning."""
-    up, right = _up_and_right(velocity_mps)
+    up, right = up_and_right(velocity_mps)
     turn = angle(velocity_mps, command_mps)
     rate = norm(velocity_mps) * turn / within_s
     aside = perpendicular(unit(velocity_mps), command_mps) if 0.0 < turn < math.pi else right

@@ -132,6 +132,12 @@ def threat(own: Own, obstacle: Obstacle, horizon_s: float = math.inf) -> Threat:
     )
 
 
+def first_threat(own: Own, obstacles: Iterable[Obstacle]) -> Obstacle | None:
+    """Of the obstacles that are not marked as no threat the threat that is met first; ``None`` if there is none."""
+    met = [(told.time_to_cpa_s, k, o) for k, o in enumerate(threatening(obstacles)) if (told := threat(own, o)).is_threat]
+    return min(met, key=lambda one: one[:2])[2] if met else None
+
+
 def cone_margin(pos_m: Vec, vel_mps: Vec, obstacle: Obstacle) -> float:
     """Angle alpha - alpha_0, rad: how far the velocity lies outside the exact cone of this obstacle (negative: inside it, eq. 3-4).
 

@@ -18,9 +18,8 @@ import numpy as np
 from vosc.errors import NoDirection, OutOfProportion, SamePoint, WrongOption
 from vosc.ph_batch import Curves, hermite_many
 from vosc.ph_curve import Curve
-from vosc.vec import LARGEST, SMALLEST_M, FloatArray, IntArray, three
+from vosc.vec import G_MPS2, LARGEST, SMALLEST_M, FloatArray, IntArray, three
 
-GRAVITY_MPS2 = 9.80665
 SAMPLES = 65
 FINE = 513
 SLACK = 1e-9
@@ -98,7 +97,7 @@ def _bank_rate(sigma: FloatArray, tangent: FloatArray, bend: FloatArray, dt: flo
     vertical = tangent[..., 2]
     climb = np.maximum(1.0 - vertical**2, 1e-12)
     up = (np.array([0.0, 0.0, 1.0]) - vertical[..., None] * tangent) / np.sqrt(climb)[..., None]
-    lift = speed * speed * bend + GRAVITY_MPS2 * up * np.sqrt(climb)[..., None]
+    lift = speed * speed * bend + G_MPS2 * up * np.sqrt(climb)[..., None]
     bank = np.unwrap(np.arctan2((lift * np.cross(tangent, up)).sum(axis=-1), (lift * up).sum(axis=-1)), axis=1)
     middle = 0.5 * (sigma[:, 1:] + sigma[:, :-1])
     with np.errstate(over="ignore", invalid="ignore"):  # at a cusp

@@ -18,6 +18,7 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
+G_MPS2 = 9.80665
 LARGEST = 1e30  # fourth powers of what is accepted still fit into a float, so no formula can overflow into inf - inf
 SMALLEST_M = 1e-30  # points nearer to each other than this are the same
 SMALLEST_SINE = 1e-12  # two directions closer than this are parallel: the plane through them is rounding noise
@@ -131,3 +132,10 @@ def right_of(a: Vec) -> Vec:
     """Horizontal unit vector to the right of ``a`` seen from above; of a vertical ``a``, -y (what is right of +x)."""
     size = math.hypot(a[0], a[1])
     return (a[1] / size, -a[0] / size, 0.0) if size > SMALLEST_SINE * abs(a[2]) and size > 0.0 else (0.0, -1.0, 0.0)
+
+
+def up_and_right(a: Vec) -> tuple[Vec, Vec]:
+    """Unit vectors across ``a``, as a pilot with level wings who flies along it sees them; straight up, up is the way of a right turn."""
+    u = unit(a)
+    up = perpendicular(u, (0.0, 0.0, 1.0), right_of(u))
+    return up, cross(u, up)

@@ -19,6 +19,11 @@ def shortened(text: str, most: int = MOST_SAID) -> str:
     return whole(text) if len(text) <= most else f"{whole(text[:most])} ... and {len(text) - most:,} characters more"
 
 
+def clipped(text: str, most: int) -> str:
+    """A name that has to fit: cut to ``most`` characters, the last of which then says so."""
+    return text if len(text) <= most else f"{text[: most - 1]}\N{HORIZONTAL ELLIPSIS}"
+
+
 def reason(bug: BaseException) -> str:
     """What an exception of anybody's code says: its type, and its text if that can be had."""
     try:

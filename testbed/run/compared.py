@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from testbed.core.canonical import canonical
+from testbed.core.utf8 import clipped
 from testbed.results.columns import METRICS, Kind
 from testbed.results.compare import FOUND, Compared, Flight, NotComparableError, Swept, compare, flight, swept
 from testbed.run import identity, journal, listed, manifest, planned
@@ -172,7 +173,7 @@ def _shown(leaves: Mapping[str, Any], key: str) -> str:
         return words.DASH
     leaf = leaves[key]
     text = leaf if isinstance(leaf, str) else json.dumps(leaf)
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
+    return clipped(text, LONGEST)
 
 
 JUDGEMENTS: Final = (("verdict.csv", "key", "word", ("condition",), "text"), ("checks.csv", "quantity", "verdict", (), "quantity"))

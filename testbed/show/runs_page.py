@@ -7,6 +7,7 @@ from urllib.parse import quote
 
 from markupsafe import Markup, escape
 
+from testbed.core.utf8 import clipped
 from testbed.show import words
 from testbed.show.answer import Answer, Bar
 from testbed.show.assets import asset, environment
@@ -93,7 +94,7 @@ def thumbnail(answer: Answer) -> Markup:
     parts.append(f'<line class="zero" x1="{x(0.0):.1f}" y1="0" x2="{x(0.0):.1f}" y2="{height}"/>')
     for k, bar in enumerate(bars):
         y = TOP + k * ROW
-        name = bar.name if len(bar.name) <= LONGEST else f"{bar.name[: LONGEST - 1]}…"
+        name = clipped(bar.name, LONGEST)
         ends = (bar.low, bar.high) if spans else (0.0, bar.median)
         figure = words.number(bar.median, 1) if spans else words.number(bar.median, 0)
         parts.append(f'<g class="{bar.tone or "plain"}"><title>{escape(_read_aloud(bar))}</title>')

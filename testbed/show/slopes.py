@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 from markupsafe import Markup, escape
 
 from testbed.airframe.chart import ticks
+from testbed.core.utf8 import clipped
 from testbed.show import words
 
 WIDTH, HEIGHT, TOP, BOTTOM = 500, 300, 26, 10
@@ -49,7 +50,7 @@ def slope_chart(slopes: Sequence[Slope], heading: str, unit: str, digits: int, n
         )
     most = sorted(known, key=_change, reverse=True)[:MOST_NAMED]
     for one, at in _spread_out([(one, y(one.second)) for one in most if one.second != one.first]):
-        name = escape(_clipped(one.name, LONGEST))
+        name = escape(clipped(one.name, LONGEST))
         parts.append(f'<text x="{TO + 10}" y="{at + 4:.1f}" class="name"><title>{escape(one.name)}</title>{name}</text>')
     what = f"{heading}{f', {unit}' if unit else ''}: {words.counted(len(known), 'line')} from {names[0]} to {names[1]}"
     head = f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(what)}">'
@@ -68,11 +69,7 @@ def _frame(marks: Sequence[float], y: Callable[[float], float], names: tuple[str
         yield f'<text x="{FROM - 8}" y="{y(mark) + 4:.1f}" text-anchor="end">{words.number(mark, _decimals(marks))}</text>'
     for x, name in ((FROM, names[0]), (TO, names[1])):
         yield f'<line class="end" x1="{x}" y1="{TOP - 6}" x2="{x}" y2="{HEIGHT - BOTTOM}"/>'
-        yield f'<text class="run-name" x="{x}" y="{TOP - 12}" text-anchor="middle">{escape(_clipped(name, 22))}</text>'
-
-
-def _clipped(text: str, most: int) -> str:
-    return text if len(text) <= most else f"{text[: most - 1]}…"
+        yield f'<text class="run-name" x="{x}" y="{TOP - 12}" text-anchor="middle">{escape(clipped(name, 22))}</text>'
 
 
 def _decimals(marks: Sequence[float]) -> int:

@@ -9,7 +9,7 @@ the curvature to that direction; here only the direction is asked for. One obsta
 from collections.abc import Sequence
 
 from vosc.crowd import exact_cones
-from vosc.encounter import Obstacle, Own, threat, threatening
+from vosc.encounter import Obstacle, Own, first_threat
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import circle_in_plane, least_turn
 from vosc.vec import right_of, sub, unit
@@ -21,11 +21,9 @@ def differential_geometry(own: Own, obstacles: Sequence[Obstacle]) -> Choice:
     Flying straight at the obstacle, where the plane is undefined, the turn is a horizontal one, to the right if both sides are
     equal. ``undefined`` when no direction of the plane is free.
     """
-    obstacles = threatening(obstacles)
-    threats = [(threat(own, o).time_to_cpa_s, k) for k, o in enumerate(obstacles) if threat(own, o).is_threat]
-    if own.vel_mps == (0.0, 0.0, 0.0) or not threats:
-        return none_free(own) if threats else undefined(own)
-    first = obstacles[min(threats)[1]]
+    first = first_threat(own, obstacles)
+    if own.vel_mps == (0.0, 0.0, 0.0) or first is None:
+        return undefined(own) if first is None else none_free(own)
     sight = sub(first.pos_m, own.pos_m)
     circle = circle_in_plane(own.vel_mps, sight) or circle_in_plane(own.vel_mps, right_of(unit(own.vel_mps)))
     if circle is None:

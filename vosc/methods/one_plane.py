@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import Literal, get_args
 
 from vosc.crowd import exact_cones
-from vosc.encounter import Obstacle, Own, relative_velocity, threat, threatening
+from vosc.encounter import Obstacle, Own, first_threat, relative_velocity
 from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import Circle, least_turn
@@ -30,11 +30,9 @@ def one_plane(own: Own, obstacles: Sequence[Obstacle], plane: Plane = "encounter
     """
     if plane not in get_args(Plane):
         raise WrongOption(f"plane: one of {', '.join(get_args(Plane))}, got {plane!r}")
-    obstacles = threatening(obstacles)
-    threats = [(threat(own, o).time_to_cpa_s, k) for k, o in enumerate(obstacles) if threat(own, o).is_threat]
-    if own.vel_mps == (0.0, 0.0, 0.0) or not threats:
-        return none_free(own) if threats else undefined(own)
-    first = obstacles[min(threats)[1]]
+    first = first_threat(own, obstacles)
+    if own.vel_mps == (0.0, 0.0, 0.0) or first is None:
+        return undefined(own) if first is None else none_free(own)
     normal = _normal(own, first, plane)
     across = dot(own.vel_mps, normal)
     ahead = along(own.vel_mps, -across, normal)

@@ -12,7 +12,7 @@ from vosc.crowd import exact_cones, is_free, scene_of
 from vosc.encounter import Obstacle, Own
 from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, none_free
-from vosc.vec import combine, cross, norm, perpendicular, right_of, unit
+from vosc.vec import combine, norm, unit, up_and_right
 
 FINEST_DEG = 0.05
 MOST_BEARINGS = 720
@@ -33,8 +33,7 @@ def outward_search(own: Own, obstacles: Sequence[Obstacle], step_deg: float = 1.
         return none_free(own)
     cones = exact_cones(own, scene_of(obstacles).threats)
     u = unit(own.vel_mps)
-    up = perpendicular(u, (0.0, 0.0, 1.0), right_of(u))
-    right = cross(u, up)
+    up, right = up_and_right(u)
     around = [2.0 * math.pi * k / bearings for k in range(bearings)]
     sides = [combine(math.cos(a), up, math.sin(a), right) for a in around]
     for ring in range(1, math.floor(180.0 / step_deg) + 1):

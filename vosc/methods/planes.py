@@ -17,7 +17,7 @@ from vosc.encounter import Obstacle, Own
 from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.turns import great_circle, least_turn
-from vosc.vec import Vec, combine, cross, perpendicular, right_of, unit
+from vosc.vec import Vec, combine, up_and_right
 
 MOST_PLANES = 10_000
 
@@ -29,9 +29,7 @@ def _least_of(own: Own, cones: Sequence[Cone], normals: Sequence[Vec]) -> Choice
 
 def _normals(velocity: Vec, roll_rad: Sequence[float]) -> list[Vec]:
     """Normals of the planes through the velocity; roll 0 is the turn to the side (normal up), counted towards the right of the velocity."""
-    u = unit(velocity)
-    up = perpendicular(u, (0.0, 0.0, 1.0), right_of(u))
-    right = cross(u, up)
+    up, right = up_and_right(velocity)
     return [combine(math.cos(a), up, math.sin(a), right) for a in roll_rad]
 
 

@@ -17,7 +17,7 @@ velocity already points.
 import math
 from collections.abc import Sequence
 
-from vosc.encounter import Obstacle, Own, relative_velocity, threat, threatening
+from vosc.encounter import Obstacle, Own, first_threat, relative_velocity
 from vosc.errors import WrongOption
 from vosc.methods.choice import Choice, Status, none_free, undefined
 from vosc.spherical_cap import critical_velocity
@@ -32,11 +32,9 @@ def tangent_lyapunov(own: Own, obstacles: Sequence[Obstacle], standoff: float = 
     """
     if not 1.0 <= standoff <= 100.0:
         raise WrongOption(f"standoff: give 1 to 100 radii, got {standoff}")
-    obstacles = threatening(obstacles)
-    threats = [(threat(own, o).time_to_cpa_s, k) for k, o in enumerate(obstacles) if threat(own, o).is_threat]
-    if own.vel_mps == (0.0, 0.0, 0.0) or not threats:
-        return none_free(own) if threats else undefined(own)
-    first = obstacles[min(threats)[1]]
+    first = first_threat(own, obstacles)
+    if own.vel_mps == (0.0, 0.0, 0.0) or first is None:
+        return undefined(own) if first is None else none_free(own)
     found = critical_velocity(own, first, wanted(own, first, standoff * first.radius_m))
     return undefined(own) if found is None else Choice(found, Status.AVOIDED)
 

@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vosc.vec import G_MPS2
+
 Array = np.ndarray
-G_MPS2 = 9.80665
 SLOWEST_MPS = 1.0  # below this the equations mean nothing
 STEEPEST_COS = 0.05
 

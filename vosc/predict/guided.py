@@ -8,7 +8,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from vosc.predict.aeroplane import G_MPS2, Aeroplane, Motion, step, thrust_wanted
+from vosc.predict.aeroplane import Aeroplane, Motion, step, thrust_wanted
+from vosc.vec import G_MPS2
 
 Array = np.ndarray
 FLAT_MPS = 1e-6  # a velocity with less than this over the ground points straight up or down

@@ -12,6 +12,7 @@ from testbed.campaign.reading.vocabulary import Loc, below, keys, unit_of, untag
 from testbed.campaign.words.settings import Campaign
 from testbed.campaign.words.study import formerly
 from testbed.core.options import fixed_length
+from testbed.core.utf8 import clipped
 
 _BOUNDS = {
     "greater_than": ("gt", "more than"),
@@ -40,16 +41,14 @@ MAX_SHOWN = 40
 def shown(value: Any) -> str:
     """A value as a user would name it."""
     if isinstance(value, str):
-        return f"the text '{_clipped(value)}'" if value else "an empty text"
+        return f"the text '{clipped(value, MAX_SHOWN)}'" if value else "an empty text"
     if isinstance(value, list | tuple | dict):
         return "a section" if isinstance(value, dict) else "a list"
     if isinstance(value, float) and not math.isfinite(value):
         return f"{value}".replace("nan", ".nan").replace("inf", ".inf")
-    return {None: "empty", True: "true", False: "false"}[value] if value is None or isinstance(value, bool) else _clipped(str(value))
-
-
-def _clipped(text: str) -> str:
-    return text if len(text) <= MAX_SHOWN else f"{text[: MAX_SHOWN - 1]}…"
+    return (
+        {None: "empty", True: "true", False: "false"}[value] if value is None or isinstance(value, bool) else clipped(str(value), MAX_SHOWN)
+    )
 
 
 def _quoted(names: Sequence[Any]) -> str:
@@ -60,7 +59,7 @@ def _choice(expected: str, value: Any) -> tuple[str, str]:
     """(message, hint) for a name that is none of pydantic's ``'a', 'b' or 'c'``."""
     names = expected.split("'")[1::2]
     allowed = f"must be {'one of ' if len(names) > 1 else ''}{_quoted(names)}, not "
-    return allowed + (f"'{_clipped(value)}'" if isinstance(value, str) else shown(value)), did_you_mean(str(value), names)
+    return allowed + (f"'{clipped(value, MAX_SHOWN)}'" if isinstance(value, str) else shown(value)), did_you_mean(str(value), names)
 
 
 def worded(error: ErrorDetails, root: type[BaseModel] = Campaign) -> tuple[Loc, str, str]:

@@ -33,10 +33,6 @@ FORBIDS = {
 """What a limit of ``vosc.ph.flyable`` is for an aircraft; that of its curvature is the bank or the load factor, whichever is less."""
 
 
-class NoFlyableWayError(NoWayError):
-    """No path was found within the limits; the text names those that forbid it."""
-
-
 class FlyableWay(NamedTuple):
     """The path to an insertion point, and the direction and the point that were chosen."""
 
@@ -72,7 +68,7 @@ def flyable_way(
     search: FlyableSearch,
     rule: tuple[float, str, str, str],
 ) -> FlyableWay:
-    """The shortest path within the limits. Raises ``NoFlyableWayError``.
+    """The shortest path within the limits. Raises ``NoWayError``.
 
     ``own`` and obstacles are those of the planner's frame, which moves with ``wind``; ``bend`` is the present curvature vector, 1/m;
     ``rule`` are k, the time rule, the side and the root of the insertion point, whose k is also taken times the factors of the search.
@@ -81,7 +77,7 @@ def flyable_way(
     points = [insertion_point(own, major, rule[0] * factor, *rule[1:]) for factor in search.k_factors]  # type: ignore[arg-type]
     insertions = [point for point in points if point is not None]
     if not insertions:
-        raise NoFlyableWayError("no insertion point of the factors of the search is ever met")
+        raise NoWayError("no insertion point of the factors of the search is ever met")
     ground = add(own.vel_mps, wind)
     ends = np.array([along(vec3(point.point_m), point.time_s, wind) for point in insertions])
     commands = np.array([add(direction, wind) for direction in directions])
@@ -89,12 +85,12 @@ def flyable_way(
         limits = limits_of(aircraft, norm(ground), search.climb_at_most_deg)
         found = ph.flyable(own.pos_m, ground, ends, commands, limits, bend, grid=search.magnitudes)
     except Refusal as error:  # coincident points; a command that stands still over the ground
-        raise NoFlyableWayError(str(error)) from error
+        raise NoWayError(str(error)) from error
     if not found.ok or found.curve is None:
         of_a_turn = _steepest(aircraft)[1]
         reasons = " and ".join(FORBIDS.get(name, of_a_turn) for name in found.missed)
         together = ", which can be kept one by one but not together" if found.together else ""
-        raise NoFlyableWayError(f"of {len(ends) * len(commands)} ends none is within the aircraft's limits: {reasons}{together}")
+        raise NoWayError(f"of {len(ends) * len(commands)} ends none is within the aircraft's limits: {reasons}{together}")
     chosen = directions[found.direction]
     margin = min(cone_margin(own.pos_m, chosen, obstacle) for obstacle in threats)
     taken = answer if found.direction == 0 else Avoidance(array(chosen), deflection(own.vel_mps, chosen), Status.AVOIDED, margin)

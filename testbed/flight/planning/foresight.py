@@ -16,11 +16,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from testbed.core.frames import Vec3
-from testbed.core.units import DEG
+from testbed.core.units import DEG, G0_MPS2
 from testbed.flight.plants.base import State
 from testbed.flight.sensing.base import Seen
 from vosc.predict import Aeroplane, Directions, Flown, Motion, Programmes, Spheres, at_once, fly_on, least_clearance
-from vosc.predict.aeroplane import G_MPS2, drag
+from vosc.predict.aeroplane import drag
 
 Array = np.ndarray
 RINGS = np.array([3.0, 6.0, 10.0, 14.0, 19.0, 25.0, 32.0, 40.0, 50.0, 62.0, 75.0]) * DEG
@@ -202,7 +202,7 @@ def _in_reach(now: Situation, aeroplane: Aeroplane) -> Spheres:
     vel, radius = np.array([one.vel for one in now.known]).reshape(-1, 3), np.array([one.radius_m for one in now.known])
     times, relative = np.arange(0.0, LONGEST_S + 0.01, REACH_STEP_S)[:, None], vel - np.array(now.state[3:6])
     apart = np.linalg.norm(pos - np.array(now.state[:3]) + relative * times[..., None], axis=2)
-    pull_m = 0.5 * G_MPS2 * (max(aeroplane.load_max, -aeroplane.load_min) + 1.0) * times**2
+    pull_m = 0.5 * G0_MPS2 * (max(aeroplane.load_max, -aeroplane.load_min) + 1.0) * times**2
     between_m = 0.5 * REACH_STEP_S * np.linalg.norm(relative, axis=1)
     near = (apart - pull_m - between_m < radius + REACH_MARGIN_M).any(axis=0)
     near = near if near.any() else np.ones_like(near)
