@@ -2,7 +2,6 @@
 
 import csv
 import hashlib
-import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -176,16 +175,19 @@ def _shown(leaves: Mapping[str, Any], key: str) -> str:
     return clipped(text, LONGEST)
 
 
-JUDGEMENTS: Final = (("verdict.csv", "key", "word", ("condition",), "text"), ("checks.csv", "quantity", "verdict", (), "quantity"))
-"""File, and its columns: what is judged, the word, what completes it, and what is judged in words."""
+JUDGED: Final = (("key", "word", ("condition",), "text"), ("quantity", "verdict", (), "quantity"))
+"""Columns by which a file is one of judgements, a study's or the checks': what is judged, the word, what completes it, its name."""
 
 
 def _judgements(runs: Sequence[_Opened]) -> tuple[str, list[Change], int]:
     """The file in which both runs are judged, the words that differ, and how many are in both."""
-    for name, key, word, more, text in JUDGEMENTS:
-        tables = [_table(run.directory / name, key) for run in runs]
-        if not all(tables):
+    names = [{file.name for file in run.directory.path.glob("*.csv")} for run in runs]
+    for name in sorted(names[0] & names[1]):
+        found = [_table(run.directory / name) for run in runs]
+        if found[0] is None or found[1] is None or found[0][0] != found[1][0]:
             continue
+        _, word, more, text = found[0][0]
+        tables = [found[0][1], found[1][1]]
         both = [one for one in tables[0] if one in tables[1]]
         said = [[" ".join(filter(None, (table[one].get(column) for column in (word, *more)))) for one in both] for table in tables]
         changed = [
@@ -197,10 +199,16 @@ def _judgements(runs: Sequence[_Opened]) -> tuple[str, list[Change], int]:
     return "", [], 0
 
 
-def _table(file: Path, key: str) -> dict[str, dict[str, str]]:
-    """Rows of a CSV by one of its columns; none where it cannot be read."""
+def _table(file: Path) -> tuple[tuple[str, str, tuple[str, ...], str], dict[str, dict[str, str]]] | None:
+    """Its columns, and its rows by what is judged; none where it judges nothing, or cannot be read."""
     try:
-        reader = csv.DictReader(io.StringIO(file.read_text(encoding="utf-8")))
-        return {row[key]: row for row in reader if row.get(key)}
+        with file.open(encoding="utf-8", newline="") as lines:
+            reader = csv.DictReader(lines)
+            head = reader.fieldnames or []
+            columns = next((one for one in JUDGED if {one[0], one[1], one[3]} <= set(head)), None)
+            if columns is None:
+                return None
+            rows = {row[columns[0]]: row for row in reader if row.get(columns[0])}
     except (OSError, UnicodeDecodeError, csv.Error):
-        return {}
+        return None
+    return (columns, rows) if rows else None

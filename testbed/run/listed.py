@@ -17,7 +17,6 @@ from testbed.show.answer import Answer, read
 from testbed.show.runs_page import MARK, Link, Told, render_runs
 
 PAGE: Final = "index.html"
-FILES: Final = ("results.csv", "verdict.csv", "checks.csv", "lead_time.csv")
 _HEAD = 2_000  # characters in which a page of ours says so
 
 
@@ -111,6 +110,11 @@ def refresh(run: Path) -> None:
             write_page(folder)
 
 
+def _tables(run: Path) -> list[str]:
+    """Its CSV files by name, that of the flights first."""
+    return sorted((file.name for file in run.glob("*.csv")), key=lambda name: (name != "results.csv", name))
+
+
 def _is_ours(file: Path) -> bool:
     if file.is_symlink() or not file.is_file():
         return False
@@ -129,7 +133,7 @@ def _told(runs: Iterable[Listed]) -> list[Told]:
             answer=run.answer,
             state=run.state,
             page=f"{run.path.name}/{PAGE}" if run.has_page else "",
-            links=[Link(file, f"{run.path.name}/{file}") for file in FILES if (run.path / file).is_file()],
+            links=[Link(file, f"{run.path.name}/{file}") for file in _tables(run.path)],
             recordings=sum(1 for _ in (run.path / "recordings").glob("*.rrd")),
         )
         for run in runs

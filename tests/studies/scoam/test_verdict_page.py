@@ -315,8 +315,8 @@ def test_a_browser_draws_both_aircraft_and_opens_the_fold(
         page.locator("#v-chips .chip", has_text="point mass").click()
         assert page.locator("#v-clearance-gtm_t2 .scatterlayer .trace").count() < curves
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-        page.locator("#verdict summary").first.click()
-        assert page.locator("#verdict details p").first.is_visible()
+        page.locator("#verdict .opener").first.click()
+        assert page.locator("#verdict .why-box p").first.is_visible()
         assert page.locator("#plan .trace").count() == 0  # folded up: not drawn yet
         page.locator("nav a", has_text="Pictures").click()
         page.wait_for_selector("#plan .scatterlayer .trace", timeout=30_000, state="attached")
