@@ -10,6 +10,8 @@ from testbed.show.campaign_summary import circumstances
 from testbed.show.gathered import KINEMATIC, Row, flyer
 from testbed.show.gathered import method as method_of
 
+CLOSE_UP = "close_up"
+"""What only the encounter that moves is drawn from, and these pictures are not."""
 MOST_PER_GROUP = 30
 MOST_IN_ALL = 150  # keeps the page under 3 MB
 DASHES = ("solid", "dash", "dashdot", "longdash")
@@ -52,7 +54,8 @@ def figure_data(rows: Sequence[Row], series: Mapping[str, dict[str, Any] | None]
             if len({other["replicate"] for other in members}) > 1:
                 name += f", no. {row['replicate']}"
             told = {"name": name, "collided": collided(row), "nearest_s": _or_none(value(row, "time_at_least_clearance_s"))}
-            flights[row["flight_id"]] = told | style | curves[row["flight_id"]]
+            curve = {key: one for key, one in curves[row["flight_id"]].items() if key != CLOSE_UP}
+            flights[row["flight_id"]] = told | style | curve
     # First the encounter in which most flights re-planned.
     busy = [sum(bool(row["replans"]) for row in members) for members in by_encounter.values()]
     return {"groups": groups, "flights": flights, "first": busy.index(max(busy)) if busy else 0}

@@ -351,6 +351,8 @@ def test_a_browser_draws_it_without_error_or_request(browser: Any, four: tuple[l
         page.goto((tmp_path / "index.html").as_uri())
         page.wait_for_selector("body[data-ready]", timeout=60_000)
         assert page.get_attribute("body", "data-ready") == "1"
+        page.locator("#plan").scroll_into_view_if_needed()  # drawn when it comes near
+        page.wait_for_selector("#space canvas", timeout=60_000, state="attached")
         assert page.locator("#plan .scatterlayer .trace").count() > 8
         assert page.locator("#curves .scatterlayer .trace").count() >= 20
         assert page.locator("#space canvas").count() >= 1

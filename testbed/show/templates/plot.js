@@ -149,10 +149,24 @@ const Plots = (() => {
   /* A painter: `data` the id of its packed data, `begin` is given them, `draw` draws and may be asked again, `ids` of its plots. */
   const add = (painter) => { if ($(painter.data)) painters.push(painter); };
   const folded = (painter) => $(painter.data).closest("details:not([open])");
+  /* Who reads and clicks goes first: what is heavy waits for a moment in which nothing else is to be done. */
+  const idle = () => new Promise((go) => (window.requestIdleCallback ? requestIdleCallback(go, { timeout: 500 }) : setTimeout(go)));
 
-  async function paint(painter) {
+  /* Unpacked soon, drawn when it comes near or is printed: space takes seconds to draw without a graphics card. */
+  const NEAR_PX = 800;
+  const waiting = new Map();
+  const near = new IntersectionObserver((seen) => { for (const one of seen) if (one.isIntersecting && waiting.has(one.target)) paint(waiting.get(one.target)); }, { rootMargin: `${NEAR_PX}px` });
+  const isNear = (id) => { const box = $(id).getBoundingClientRect(); return box.top < innerHeight + NEAR_PX && box.bottom > -NEAR_PX; };
+
+  async function prepare(painter) {
     if (folded(painter)) return; // a plot needs to know its size
     if (!painter.begun) { painter.begun = true; painter.begin(JSON.parse(await unpack(painter.data))); }
+    if (painter.ids().some(isNear)) { await paint(painter); return; }
+    for (const id of painter.ids()) { waiting.set($(id), painter); near.observe($(id)); }
+  }
+  async function paint(painter) {
+    for (const id of painter.ids()) { waiting.delete($(id)); near.unobserve($(id)); }
+    painter.drawn = true;
     await painter.draw();
   }
 
@@ -161,23 +175,25 @@ const Plots = (() => {
       link.addEventListener("click", () => { const fold = document.querySelector(link.hash)?.closest("details"); if (fold) fold.open = true; });
     }
     if (painters.length) {
+      await idle();
       const script = document.createElement("script");
       script.textContent = await unpack("plotly-code");
       document.head.append(script);
       $("plotly-code").remove();
-      const repaint = () => Promise.all(painters.map(paint));
+      const open = (painter) => painter.begun && !folded(painter);
       const print = (on) => {
         if (printing === on) return;
         printing = on;
-        repaint();
-        if (!on) for (const painter of painters) if (painter.begun && !folded(painter)) for (const id of painter.ids()) Plotly.Plots.resize($(id));
+        const drawn = painters.filter((one) => open(one) && (on || one.drawn));
+        drawn.forEach(paint);
+        if (!on) for (const painter of drawn) for (const id of painter.ids()) Plotly.Plots.resize($(id));
       };
-      night.addEventListener("change", repaint);
+      night.addEventListener("change", () => painters.filter((one) => open(one) && one.drawn).forEach(paint));
       matchMedia("print").addEventListener("change", (event) => print(event.matches));
       addEventListener("beforeprint", () => print(true));
       addEventListener("afterprint", () => print(false));
-      for (const fold of document.querySelectorAll("details")) fold.addEventListener("toggle", () => { for (const one of painters) if (fold.contains($(one.data))) paint(one); });
-      await repaint();
+      for (const fold of document.querySelectorAll("details")) fold.addEventListener("toggle", () => { for (const one of painters) if (fold.contains($(one.data)) && !one.drawn) prepare(one); });
+      for (const painter of painters) { await idle(); await prepare(painter); }
     }
     document.body.dataset.ready = "1";
   }

@@ -43,15 +43,19 @@
     for (const row of table.tBodies[0].rows) [...row.cells].forEach((cell, k) => { cell.dataset.label ??= heads[k]; });
     table.dataset.labelled = "1";
   }
+  /* All are measured before one is changed: each change in between would have the whole page laid out again. */
   function fit() {
-    for (const table of document.querySelectorAll(".scroll > table:not(.claims)")) {
-      if (!table.tHead || !table.offsetParent) continue;
-      const scroll = table.parentElement, before = table.classList.contains("as-cards");
-      table.classList.remove("as-cards");
-      const cards = phone.matches || (!table.classList.contains("rows") && table.scrollWidth > scroll.clientWidth + 1);
-      if (cards && !table.classList.contains("rows") && !table.dataset.labelled) label(table);
+    const tables = [...document.querySelectorAll(".scroll > table:not(.claims)")].filter((table) => table.tHead);
+    const were = new Map(tables.map((table) => [table, table.classList.contains("as-cards")]));
+    tables.forEach((table) => table.classList.remove("as-cards"));
+    const wide = new Map(tables.map((table) => [table, table.offsetParent && { is: table.scrollWidth, has: table.parentElement.clientWidth }]));
+    for (const [table, before] of were) {
+      const width = wide.get(table), rows = table.classList.contains("rows");
+      if (!width) { table.classList.toggle("as-cards", before); continue; }
+      const cards = phone.matches || (!rows && width.is > width.has + 1);
+      if (cards && !rows && !table.dataset.labelled) label(table);
       table.classList.toggle("as-cards", cards);
-      scroll.classList.toggle("of-cards", cards);
+      table.parentElement.classList.toggle("of-cards", cards);
       if (before !== cards) table.dispatchEvent(new Event("layout"));
     }
   }

@@ -308,6 +308,8 @@ def test_a_browser_draws_both_aircraft_and_opens_the_fold(
         page.wait_for_selector("body[data-ready]", timeout=60_000)
         assert page.get_attribute("body", "data-ready") == "1"
         for aircraft in ("gtm_t2", "c172p"):
+            page.locator(f"#v-plan-{aircraft}").scroll_into_view_if_needed()  # drawn when it comes near
+            page.wait_for_selector(f"#v-space-{aircraft} canvas", timeout=60_000, state="attached")
             assert page.locator(f"#v-plan-{aircraft} .scatterlayer .trace").count() > 8
             assert page.locator(f"#v-demand-{aircraft} .scatterlayer .trace").count() >= 6
             assert page.locator(f"#v-space-{aircraft} canvas").count() >= 1
