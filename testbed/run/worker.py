@@ -73,12 +73,13 @@ def work(line: socket.socket, driver: int) -> None:
     try:
         fn: Callable[[Any], Any] = pickle.loads(receive(line))
         _send(line, b"")  # ready
-        first = _size()
+        first = None
         while True:
             call = receive(line)
             (number,) = CALL.unpack_from(call)
             start = time.perf_counter()
             answer = _answer(lambda item: fn(pickle.loads(item)), call[CALL.size :])
+            first = first or _size()  # after a call: what a flight needs to be loaded at all is no growth
             _send(line, ANSWER.pack(number, time.perf_counter() - start, _has_grown(first)) + answer)
     except (EOFError, ConnectionError):
         return  # the driver is done, perhaps before this worker had started
