@@ -193,14 +193,19 @@ def _population(flights: Flights, method: str) -> list[str]:
         rows = _threats(flights, Part.READINGS_POPULATION, method, rung, flown_by=MAIN)
         if rows:
             cell = _cell(flights, (method, Part.READINGS_POPULATION, "", MAIN, rung), rows)
-            beside = ""
-            if cell.pairs:
-                own = sum(keeps(b) for _, b in _pairs(flights, rows))
-                apart = f"another clearance in {cell.other}, {say(cell.difference.value, 'm')} more in the median"
-                beside = f" (the paper's own {own} of {cell.pairs}, McNemar p = {cell.mcnemar_p:.2g}; {apart})"
-            kept = f"{cell.kept} of {cell.n} encounters of the population keep every radius{beside}"
-            said.append(f"{where} {kept}, {percent(cell.low)} to {percent(cell.high)} by the interval")
+            beside = f"; {_beside(cell, sum(keeps(b) for _, b in _pairs(flights, rows)))}" if cell.pairs else ""
+            bounds = f"95 % interval {percent(cell.low)} to {percent(cell.high)}"
+            said.append(f"{where} {cell.kept} of {cell.n} encounters of the population keep every radius ({bounds}{beside})")
     return [f"{said[0][:1].upper()}{'; '.join(said)[1:]}."] if said else []
+
+
+def _beside(cell: ReadingCell, own: int) -> str:
+    """The pairs with the paper's own reading."""
+    if not cell.other:
+        return f"in all {cell.pairs} it flies as the paper's own does"
+    gap = cell.difference.value
+    apart = f"{say(abs(gap), 'm')} {'less' if gap < 0.0 else 'more'} clearance in the median"
+    return f"the paper's own {own} of {cell.pairs}, McNemar p = {cell.mcnemar_p:.2g}; {apart}, another one in {cell.other}"
 
 
 def _without(forbidden: Counter[str], n: int) -> list[str]:
