@@ -126,7 +126,7 @@ def test_readings_of_the_method_have_a_table_of_their_own(verdict: SimpleNamespa
     page = render(verdict, [], {})
     text = text_of(page.html)
     assert ("verdict-readings", "Readings") in page.nav
-    assert "step (iii) taken seriously 2.7 m −2.0 m −3.8 m −6.1 to −2.4 m 0 of 50 13 to 38 %; McNemar p = 0.035 12 of 50" in text  # noqa: RUF001
+    assert "step (iii) taken seriously 2.7 m −2.0 m −3.8 m −6.1 to −2.4 m 0 of 50 13 to 38 %, p = 0.035 12 of 50" in text  # noqa: RUF001
     assert "39 of 50 fails kinematically" in text
     assert "44 of 50 −1.5 −2.2 to −0.5 m p = 0.035 39 roll rate 30; climb angle 9" in text  # noqa: RUF001
     assert "step (iii)" not in text[: text.index("The method as it may be read")]  # no claim of the leading table

@@ -146,6 +146,6 @@ def test_the_page_has_a_line_a_reading_with_the_share_beside_the_paper_s_own():
     own, behind, flyable = page.reading_rows(judge(everything()))
     assert own["population"][1] == {"text": "3 of 8", "note": "9 to 76 %"}
     assert behind["population"][1]["text"] == "6 of 8"
-    assert behind["population"][1]["note"].endswith("McNemar p = 0.25")
+    assert behind["population"][1]["note"].endswith(", p = 0.25")
     assert (behind["cells"][0], behind["word"]) == ("1.0 m", "fails when flown")
     assert flyable["no_path"] == "4 of 4"

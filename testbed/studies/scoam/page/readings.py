@@ -47,8 +47,8 @@ def _kept(cell: "ReadingCell | None") -> dict[str, str]:
     if cell is None:
         return {"text": DASH, "note": ""}
     notes = [words.interval(cell.low, cell.high, "share")]
-    notes += [f"McNemar {paper_names.p_value(cell.mcnemar_p)}"] if cell.pairs else []
-    return {"text": f"{cell.kept} of {cell.n}", "note": "; ".join(notes)}
+    notes += [paper_names.p_value(cell.mcnemar_p)] if cell.pairs else []
+    return {"text": f"{cell.kept} of {cell.n}", "note": ", ".join(notes)}
 
 
 def _no_path(cells: "Sequence[ReadingCell]") -> str:
