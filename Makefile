@@ -32,7 +32,7 @@ paper: $(STAMP) ## the verdict on the paper, 20 seeds: reports/runs/paper/index.
 FULL := reports/runs/paper-full
 paper-full: $(STAMP) ## the verdict with 100 seeds, 1000 encounters, 500 draws; verified; page into reports/paper
 	$(BIN)/testbed run campaigns/paper.yaml --fresh --out $(FULL) --set parts.turbulence.replicates=100 \
-	  --set parts.population.replicates=1000 --set parts.robustness_single.replicates=501 --set parts.robustness_multi.replicates=501
+	  --set parts.population.replicates=1000 --set parts.readings_population.replicates=50 --set parts.robustness_single.replicates=501 --set parts.robustness_multi.replicates=501
 	$(BIN)/python reports/verify $(FULL)
 	$(BIN)/testbed audit
 	$(BIN)/python reports/publish.py $(FULL) reports/paper

@@ -1,7 +1,8 @@
 """Keep what is small of a run on the paper, to be committed: ``python reports/publish.py RUN_DIR FOLDER``.
 
-That is its page and ``verdict.csv``. The recordings, ``results.csv`` and the plan stay in the run directory, so the page here does not link
-to them: a link becomes its text, and a line at the head of the page says which command writes them and where to.
+That is its page, ``verdict.csv`` and, where it has one, ``readings.csv``. The recordings, ``results.csv`` and the plan stay in the run
+directory, so the page here does not link to them: a link becomes its text, and a line at the head of the page says which command writes
+them and where to.
 """
 
 import argparse
@@ -40,6 +41,8 @@ def main() -> int:
         asked.folder.mkdir(parents=True, exist_ok=True)
         (asked.folder / "index.html").write_text(page, encoding="utf-8", newline="\n")
         shutil.copyfile(asked.run_dir / "verdict.csv", asked.folder / "verdict.csv")
+        if (readings := asked.run_dir / "readings.csv").is_file():
+            shutil.copyfile(readings, asked.folder / "readings.csv")
     except (OSError, ValueError) as problem:
         print(f"{asked.run_dir}: cannot be published ({problem})", file=sys.stderr)
         return 2

@@ -51,7 +51,7 @@ def avoidance(raw: Raw, end: End) -> dict[str, float]:
 
 
 def metrics_of(raw: Raw) -> dict[str, float | str]:
-    """Every quantity of ``NUMBERS`` and ``WORDS``; NaN where it does not exist for this flight."""
+    """Every quantity of ``NUMBERS`` and ``WORDS``, NaN where it does not exist for this flight; and why the planner found no path."""
     clearance, at, who = closest(raw)
     end = end_of(raw)
     decisions = raw.about["decisions"]
@@ -62,6 +62,7 @@ def metrics_of(raw: Raw) -> dict[str, float | str]:
         "least_clearance_m": clearance,
         "time_at_least_clearance_s": at,
         "replans": float(sum(decision["decision"] in AVOIDING for decision in decisions)),
+        "no_path": next((decision.get("reason") or "not said" for decision in decisions if decision["decision"] == "no_path"), ""),
     }
     if decisions:
         found |= {"trigger_time_s": float(decisions[0]["time_s"]), "route_miss_m": figure_of(decisions[0]["route_miss_m"])}

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .compare import AGREE, compare_counts, compare_flights
-from .paper.claims import compare_claims
+from .paper.claims import compare_claims, compare_figures
 from .run import BadInputError, Run, keeps, open_run
 
 SHOWN = 12  # differences that are listed
@@ -42,6 +42,10 @@ def verify(path: Path, say: Callable[[str], None]) -> bool:
         agreed, skipped, unlike = compare_claims(run, own)
         differences += unlike
         say(f"{agreed} claims of the verdict agree" + (f"; not judged here: {', '.join(skipped)}" if skipped else ""))
+    if (path / "readings.csv").is_file():
+        agreed, unlike = compare_figures(run, own)
+        differences += unlike
+        say(f"{agreed} lines of the readings agree")
     if differences:
         differences.sort(key=lambda one: -one.size)
         say(f"{len(differences)} differences above {AGREE:g}" + (f", the first {SHOWN}:" if len(differences) > SHOWN else ":"))

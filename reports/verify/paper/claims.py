@@ -10,6 +10,7 @@ from .comparisons import COMPARED, judge_comparison
 from .flights import Flights
 from .printed import READINGS, judge_number
 from .promises import PROMISES, judge_promise
+from .readings import KEY, compare_readings, judge_reading_of_method
 from .superior import judge_superior
 from .words import Judged
 
@@ -24,6 +25,8 @@ def judge(flights: Flights, key: str) -> Judged | None:
         return judge_comparison(flights, key)
     if key == "words.superior":
         return judge_superior(flights)
+    if key.startswith(KEY):
+        return judge_reading_of_method(flights, key)
     if key.startswith(tuple(READINGS)):
         return judge_number(flights, key)
     return None
@@ -33,7 +36,7 @@ def compare_claims(run: Run, own: Mapping[str, Mapping[str, float | str]]) -> tu
     """Claims that agree, those that were not judged, and what does not agree."""
     path = run.path / "verdict.csv"
     claims = read_csv(path)
-    flights = Flights([{**run.rows[name], **own.get(name, {})} for name in run.flights if name in run.rows])
+    flights = flights_of(run, own)
     agreed, skipped, differences = 0, [], []
     for claim in claims:
         try:
@@ -46,6 +49,20 @@ def compare_claims(run: Run, own: Mapping[str, Mapping[str, float | str]]) -> tu
         differences += found
         agreed += judged is not None and not found
     return agreed, skipped, differences
+
+
+def compare_figures(run: Run, own: Mapping[str, Mapping[str, float | str]]) -> tuple[int, list[Difference]]:
+    """Lines of ``readings.csv`` that agree, and what does not agree."""
+    path = run.path / "readings.csv"
+    try:
+        return compare_readings(path, flights_of(run, own))
+    except (KeyError, ValueError, TypeError) as problem:
+        raise BadInputError(f"{path}: cannot be judged ({type(problem).__name__}: {problem})") from None
+
+
+def flights_of(run: Run, own: Mapping[str, Mapping[str, float | str]]) -> Flights:
+    """The run's rows, with what was computed again in the place of what they say."""
+    return Flights([{**run.rows[name], **own.get(name, {})} for name in run.flights if name in run.rows])
 
 
 def _claim_differences(path: Path, claim: Mapping[str, str], judged: Judged) -> list[Difference]:

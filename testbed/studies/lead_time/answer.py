@@ -8,6 +8,8 @@ from testbed.show.answer import BAD, KEPT, UNSURE, Answer, counted_bars
 from testbed.studies.lead_time.compare import groups, summary
 from testbed.studies.lead_time.line import Line
 
+HOW = {"direct": "direction at once", "insertion_point": "insertion point", "flyable": "flyable path"}
+
 
 def answer(lines: Sequence[Line]) -> Answer:
     """Of the aircraft flown in calm air with the largest margin: what the median encounter needs, and where no lead suffices."""
@@ -17,7 +19,7 @@ def answer(lines: Sequence[Line]) -> Answer:
     for key, found in sorted(flown.items(), key=lambda item: item[0].answer != "direct"):
         if key.swell_m != most or key.method != "scoam":
             continue
-        of, name = summary(found), f"{key.aircraft}, {'direction at once' if key.answer == 'direct' else 'insertion point'}"
+        of, name = summary(found), f"{key.aircraft}, {HOW[key.answer]}"
         needs = (
             f"the median encounter needs {words.number(of.lead.value, 2, 's')}"
             if math.isfinite(of.lead.value)

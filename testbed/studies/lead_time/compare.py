@@ -10,7 +10,7 @@ from testbed.results.statistics import share_at_least
 from testbed.studies.lead_time.lead_distributions import Cost, Estimate, bootstrap, cost, logistic, quantile, shown_from
 from testbed.studies.lead_time.line import Line
 
-RAILS = {"direct": "vo_instant", "insertion_point": "kinematic"}
+RAILS = {"direct": "vo_instant", "insertion_point": "kinematic", "flyable": "kinematic"}
 COMPARED_RUNGS = (  # what is compared, the rung with it, the rung without it
     ("guidance: no rails", "point_ideal", "rails"),
     ("roll, alone", "point_roll", "point_ideal"),
@@ -131,6 +131,12 @@ def insertion(by_who: dict[Who, list[Line]]) -> list[tuple[Who, Priced]]:
         if key.answer == "insertion_point" and not key.rung.startswith("point_") and key.wind_mps == 0.0 and at_once in by_who:
             found.append((key, priced("insertion point", lines, by_who[at_once])))
     return found
+
+
+def flyable(by_who: dict[Who, list[Line]]) -> list[tuple[Who, Priced]]:
+    """What a path within the aircraft's limits costs beside the one to the insertion point that asks nobody."""
+    others = {key: key._replace(answer="insertion_point") for key in by_who if key.answer == "flyable"}
+    return [(key, priced("flyable path", by_who[key], by_who[other])) for key, other in others.items() if other in by_who]
 
 
 def winds(by_who: dict[Who, list[Line]]) -> list[tuple[Who, Priced]]:

@@ -42,7 +42,7 @@ class Line:
 
     study: str
     rung: str
-    answer: str  # insertion_point or direct
+    answer: str  # insertion_point, flyable (a path to one within the aircraft's limits) or direct
     aircraft: str
     method: str
     swell_m: float
@@ -81,7 +81,7 @@ def line_of(plan: FlightPlan, row: Mapping[str, Any]) -> Line:
     study = LeadTime.of(plan)
     wind, turbulence = plan.air.wind, plan.air.turbulence
     kinematic = plan.plant.kind == "kinematic"
-    answer = plan.replan.answer
+    answer = "flyable" if plan.replan.path == "flyable" else plan.replan.answer
     rung = ("vo_instant" if answer == "direct" else "kinematic") if kinematic else plan.plant.kind
     return Line(
         study=plan.labels.get(PART, plan.campaign),

@@ -11,7 +11,7 @@ import numpy as np
 from testbed.show.assets import asset, environment
 from testbed.show.hero import unfinished
 from testbed.show.words import number, percent
-from testbed.studies.lead_time.compare import Priced, Shares, Summary, Who, groups, insertion, limits, shares, summary, winds
+from testbed.studies.lead_time.compare import Priced, Shares, Summary, Who, flyable, groups, insertion, limits, shares, summary, winds
 from testbed.studies.lead_time.lead_distributions import Cost, Estimate
 from testbed.studies.lead_time.line import Line, Searches
 from testbed.studies.lead_time.sentences import answer, rung, sentences
@@ -28,6 +28,7 @@ SECTIONS = (
     ("margin", "Margin", "margins"),
     ("crossing", "Crossing angle", "crossings"),
     ("insertion", "Insertion point", "insertions"),
+    ("flyable", "Flyable path", "flyables"),
     ("limits", "Limits", "limits"),
     ("wind", "Wind", "winds"),
     ("turbulence", "Turbulence", "turbulence"),
@@ -52,6 +53,7 @@ def page_text(study: Searches) -> str:
         "margins": _margins(plain),
         "crossings": _crossings(plain),
         "insertions": [_priced(cost, f"{_flyer(key)}, {key.method}, margin {key.swell_m:g} m") for key, cost in insertion(plain)],
+        "flyables": [_priced(cost, f"{_flyer(key)}, {key.method}, margin {key.swell_m:g} m") for key, cost in flyable(plain)],
         "limits": [_priced(cost, cost.what) for cost in limits(calm)],
         "winds": [_priced(cost, f"from {key.wind_from_deg:g} deg") for key, cost in winds(by_who)],
         "turbulence": [_turbulent(key, found, by_who[key]) for key, found in turbulent.items()],
@@ -100,7 +102,7 @@ def _flyer(key: Who) -> str:
 
 def _briefly(key: Who) -> str:
     """How the direction is applied, for a cell."""
-    return {"insertion_point": "insertion point", "direct": "at once"}[key.answer]
+    return {"insertion_point": "insertion point", "direct": "at once", "flyable": "flyable path"}[key.answer]
 
 
 def seconds(value: float, digits: int = 2) -> str:

@@ -14,7 +14,11 @@ RUNG_NAMES = {
     "point_mass": "point mass",
     "jsbsim": "six degrees of freedom",
 }
-ANSWER_NAMES = {"insertion_point": "through the insertion point", "direct": "direction at once"}
+ANSWER_NAMES = {
+    "insertion_point": "through the insertion point",
+    "direct": "direction at once",
+    "flyable": "on a path within the aircraft's limits",
+}
 
 
 def rung(key: Who) -> str:
@@ -55,7 +59,7 @@ def _existence(plain: Groups) -> list[str]:
 
 def _oncoming(plain: Groups) -> list[str]:
     """Who comes towards the aircraft, and who does not, for the point that flies through the insertion point."""
-    keys = [key for key in plain if key.rung == "kinematic" and key.method == "scoam"]
+    keys = [key for key in plain if (key.rung, key.answer, key.method) == ("kinematic", "insertion_point", "scoam")]
     if not keys:
         return []
     key = max(keys, key=lambda key: key.swell_m)

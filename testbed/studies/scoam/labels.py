@@ -38,10 +38,13 @@ class Part(StrEnum):
     ROBUSTNESS_MULTI = "robustness_multi"
     CONTROLS = "controls"
     REMEDY = "remedy"
+    READINGS = "readings"
+    READINGS_WIND = "readings_wind"
+    READINGS_POPULATION = "readings_population"
 
 
 class Encounter(StrEnum):
-    """Readings of sections 5.1 and 5.2, the class that the population is drawn from, and the controls."""
+    """Readings of sections 5.1 and 5.2, the class that the population is drawn from, the controls, and where roots differ."""
 
     SINGLE_AS_PRINTED = "single_as_printed"
     SINGLE_106 = "single_106"
@@ -52,10 +55,11 @@ class Encounter(StrEnum):
     GENTLE = "gentle"
     GENTLE_NO_MARGIN = "gentle_no_margin"
     IMPOSSIBLE = "impossible"
+    OVERTAKEN = "overtaken"
 
 
 class Method(StrEnum):
-    """Who answers; DROAM by its plane, and in calm air by the side it takes too."""
+    """Who answers; DROAM by its plane, and in calm air by the side it takes too; SCOAM by what the paper may be read as, one at a time."""
 
     NONE = "none"
     SCOAM = "scoam"
@@ -66,6 +70,11 @@ class Method(StrEnum):
     DROAM_VP_UP = "droam_vp_up"
     DROAM_VP_DOWN = "droam_vp_down"
     LEAST_DEFLECTION = "least_deflection"
+    SCOAM_NEARER = "scoam_nearer"
+    SCOAM_CORRECTED = "scoam_corrected"
+    SCOAM_BEHIND = "scoam_behind"
+    SCOAM_FORWARD = "scoam_forward"
+    SCOAM_FLYABLE = "scoam_flyable"
 
 
 class Rung(StrEnum):
@@ -123,15 +132,22 @@ SIDES: Final[Mapping[str, tuple[Method, Method]]] = {
     Method.DROAM_HP: (Method.DROAM_HP_LEFT, Method.DROAM_HP_RIGHT),
     Method.DROAM_VP: (Method.DROAM_VP_UP, Method.DROAM_VP_DOWN),
 }
+READINGS: Final = (
+    *(Method.SCOAM, Method.SCOAM_NEARER, Method.SCOAM_CORRECTED, Method.SCOAM_BEHIND, Method.SCOAM_FORWARD),
+    Method.SCOAM_FLYABLE,
+)
+READING_PARTS: Final = (Part.READINGS, Part.READINGS_WIND, Part.READINGS_POPULATION)
 
 _PRINTED: Final = (Encounter.SINGLE_AS_PRINTED, *SINGLE, *MULTI)
 _METHODS: Final = (Method.NONE, Method.SCOAM, *DROAM, Method.LEAST_DEFLECTION)
+_SIDES: Final = tuple(side for plane in DROAM for side in SIDES[plane])
 _FLOWN: Final[Axes] = {Axis.METHOD: _METHODS, Axis.FLOWN_BY: LabelKind.AIRCRAFT, Axis.RUNG: tuple(Rung)}
+_READ: Final[Axes] = {**_FLOWN, Axis.METHOD: (Method.NONE, *READINGS)}
 _WIND: Final[Axes] = {Axis.DESIGN: tuple(Design), Axis.WIND_MPS: LabelKind.NUMBER, Axis.WIND_FROM: tuple(Compass)}
 _TURBULENCE: Final[Axes] = {Axis.SEVERITY: tuple(Severity)}
 
 LABELS: Final[Labels] = {
-    Part.CALM: {Axis.ENCOUNTER: _PRINTED, **_FLOWN, Axis.METHOD: tuple(Method)},
+    Part.CALM: {Axis.ENCOUNTER: _PRINTED, **_FLOWN, Axis.METHOD: (*_METHODS, *_SIDES)},
     Part.WIND: {Axis.ENCOUNTER: _PRINTED, **_FLOWN, **_WIND},
     Part.TURBULENCE: {Axis.ENCOUNTER: _PRINTED, **_FLOWN, **_TURBULENCE},
     Part.POPULATION: {Axis.ENCOUNTER: (Encounter.CLASS,), **_FLOWN},
@@ -139,6 +155,9 @@ LABELS: Final[Labels] = {
     Part.ROBUSTNESS_MULTI: {Axis.ENCOUNTER: DRAWN[1:], **_FLOWN},
     Part.CONTROLS: {Axis.ENCOUNTER: (Encounter.GENTLE, Encounter.GENTLE_NO_MARGIN, Encounter.IMPOSSIBLE), **_FLOWN},
     Part.REMEDY: {**_FLOWN, Axis.LEAD_S: LabelKind.NUMBER, Axis.SWELL_M: LabelKind.NUMBER},
+    Part.READINGS: {Axis.ENCOUNTER: (*DRAWN, Encounter.OVERTAKEN), **_READ},
+    Part.READINGS_WIND: {Axis.ENCOUNTER: DRAWN, **_READ, **_WIND},
+    Part.READINGS_POPULATION: {Axis.ENCOUNTER: (Encounter.CLASS,), **_READ},
 }
 """Part to its axes and their labels."""
 

@@ -26,8 +26,10 @@ class Scoam(Study):
         from testbed.studies.scoam.audit.report import page_text
         from testbed.studies.scoam.page import render
         from testbed.studies.scoam.pose import event_reach
-        from testbed.studies.scoam.verdict import csv_bytes, judge
+        from testbed.studies.scoam.verdict import csv_bytes, judge, readings_bytes
 
         found = judge(run.rows, event_reach)
         files = {"verdict.csv": csv_bytes(found), "audit.html": page_text(audit()).encode()}
+        if found.reading_cells:
+            files["readings.csv"] = readings_bytes(found)
         return Written(files, head=render(found, run.rows, run.series), answer=answer(found))

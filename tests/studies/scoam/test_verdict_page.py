@@ -20,6 +20,7 @@ from testbed.show.page import render_page
 from testbed.show.series import flight_series
 from testbed.studies.scoam.claim import HOLDS, TOO_FEW, VERDICT_WORDS, Claim, Control, Rank, Step, Waterfall
 from testbed.studies.scoam.page import bars, detail, picture_data, quotable, reference, render, table, top
+from testbed.studies.scoam.verdict.judged import ReadingCell
 from tests.show.test_page import NASTY, PROVENANCE, campaign, flight, parsed
 
 MakeRecord = Callable[..., FlightRecord]
@@ -50,6 +51,12 @@ def rank(method: str, safe: int, **changes: Any) -> Rank:
     )
 
 
+def reading_cell(rung: str, kept: int, **changes: Any) -> ReadingCell:
+    who = ("scoam_flyable", "readings_population", "class", "gtm_t2", rung)
+    told = Effect("difference", "m", -1.5, -2.25, -0.5, 50)
+    return replace(ReadingCell(*who, 50, kept, 0.13, 0.38, Spread(-9.5, -4.0, 1.5, 50), 50, 44, 3, 12, 0.0352, told, 0, ""), **changes)
+
+
 @pytest.fixture
 def verdict() -> SimpleNamespace:
     """One claim of each word, a number under two readings, and one of everything else."""
@@ -75,6 +82,8 @@ def verdict() -> SimpleNamespace:
             SimpleNamespace(design=d, strength=s, **cell) for d, s in (("anchored", "5"), ("ground_fixed", "10"), ("turbulence", "light"))
         ),
         counted=(SimpleNamespace(part="calm", flights=840, silent=2, marginal=7, replicates=1),),
+        readings=(claim("readings.scoam_flyable", "fails kinematically", text="step (iii) taken seriously"),),
+        reading_cells=(reading_cell("kinematic", 0, no_path=39, forbidden_by="roll rate 30; climb angle 9"), reading_cell("jsbsim", 12)),
     )
 
 
@@ -111,6 +120,18 @@ def test_every_claim_with_its_numbers_is_in_the_table(verdict: SimpleNamespace) 
         text.index(part) for part in ("Claims in words", "text of words.0", "Numbers of Table 2", "SCOAM deflection", "Numbers of Table 4")
     ]
     assert order == sorted(order)
+
+
+def test_readings_of_the_method_have_a_table_of_their_own(verdict: SimpleNamespace) -> None:
+    page = render(verdict, [], {})
+    text = text_of(page.html)
+    assert ("verdict-readings", "Readings") in page.nav
+    assert "step (iii) taken seriously 2.7 m −2.0 m −3.8 m −6.1 to −2.4 m 0 of 50 13 to 38 %, p = 0.035 12 of 50" in text  # noqa: RUF001
+    assert "39 of 50 fails kinematically" in text
+    assert "44 of 50 −1.5 −2.2 to −0.5 m p = 0.035 39 roll rate 30; climb angle 9" in text  # noqa: RUF001
+    assert "step (iii)" not in text[: text.index("The method as it may be read")]  # no claim of the leading table
+    verdict.readings = verdict.reading_cells = ()
+    assert "The method as it may be read" not in render(verdict, [], {}).html
 
 
 def test_readings_of_a_number_stand_together_and_none_is_said_twice(verdict: SimpleNamespace) -> None:
@@ -174,7 +195,9 @@ def test_no_number_of_the_sentences_is_the_programs_own(verdict: SimpleNamespace
         )
         for k, one in enumerate(verdict.claims[-6:])
     ]  # fmt: skip
-    nothing = SimpleNamespace(claims=bare, waterfalls=(), controls=(), ranks=(), cases=(), air=(), counted=())
+    nothing = SimpleNamespace(
+        claims=bare, waterfalls=(), controls=(), ranks=(), cases=(), air=(), counted=(), readings=(), reading_cells=()
+    )
     text = " ".join(sentence for _, sentences, _ in quotable.paragraphs(nothing) for sentence in sentences)
     assert re.findall(r"\d+", text) == ["6", *["1"] * 6]
 
@@ -191,7 +214,7 @@ def test_a_part_that_is_missing_is_left_out(verdict: SimpleNamespace, flown: tup
 
 
 def test_nothing_at_all() -> None:
-    nothing = SimpleNamespace(claims=(), waterfalls=(), controls=(), ranks=(), cases=(), air=(), counted=())
+    nothing = SimpleNamespace(claims=(), waterfalls=(), controls=(), ranks=(), cases=(), air=(), counted=(), readings=(), reading_cells=())
     head = render(nothing, [], {})
     assert not head.nav
     assert "<section" not in head.html

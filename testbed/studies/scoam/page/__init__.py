@@ -9,7 +9,7 @@ from testbed.show import words
 from testbed.show.assets import PageHead, asset, environment, packed_json
 from testbed.show.gathered import Row
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS, HOLDS_ONLY_IF, NOT_DETERMINED, TOO_FEW, Waterfall
-from testbed.studies.scoam.page import bars, detail, moving, paper_names, picture_data, table, top
+from testbed.studies.scoam.page import bars, detail, moving, paper_names, picture_data, readings, table, top
 from testbed.studies.scoam.page.quotable import paragraphs
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[st
         "air": detail.air_tables(verdict.air),
         "waterfalls": detail.waterfall_table(verdict.waterfalls),
         "cases": detail.case_table(verdict.cases),
+        "readings": readings.reading_rows(verdict),
+        "reading_table": readings.reading_table(verdict.reading_cells),
     }
     html = environment(__name__).get_template("verdict.html.j2").render(**parts, data=packed_json(data) if data["aircraft"] else "")
     sections = (
@@ -48,6 +50,7 @@ def render(verdict: "Verdict", rows: Sequence[Row], series: Mapping[str, dict[st
         ("verdict-words", "Summary", parts["paragraphs"]),
         ("verdict-pictures", "Steps", parts["panels"] or parts["falls"]),
         ("verdict-methods", "Methods", parts["ranks"]),
+        ("verdict-readings", "Readings", parts["readings"]),
         ("verdict-air", "Wind", parts["air"]),
         ("verdict-controls", "Controls", parts["controls"]),
     )

@@ -15,6 +15,11 @@ METHOD_NAMES: Mapping[str, str] = words.METHOD_NAMES | {
     Method.DROAM_HP_RIGHT: "DROAM/HP, right",
     Method.DROAM_VP_UP: "DROAM/VP, up",
     Method.DROAM_VP_DOWN: "DROAM/VP, down",
+    Method.SCOAM_NEARER: "SCOAM, nearer root",
+    Method.SCOAM_CORRECTED: "SCOAM, corrected cap",
+    Method.SCOAM_BEHIND: "SCOAM, behind the obstacle",
+    Method.SCOAM_FORWARD: "SCOAM, meeting ahead",
+    Method.SCOAM_FLYABLE: "SCOAM, flyable path",
 }
 READING_NAMES: Mapping[str, str] = {
     Encounter.SINGLE_AS_PRINTED: "Table 1 as printed",
@@ -25,6 +30,7 @@ READING_NAMES: Mapping[str, str] = {
     Encounter.GENTLE: "gentle, 6 s ahead with 8 m of margin",
     Encounter.GENTLE_NO_MARGIN: "gentle, 6 s ahead",
     Encounter.IMPOSSIBLE: "impossible, 0.3 s ahead",
+    Encounter.OVERTAKEN: "overtaken from straight behind",
 }
 RUNG_NAMES: Mapping[str, str] = {
     Rung.VO_INSTANT: "velocity turned at once",
@@ -65,6 +71,9 @@ PART_NAMES: Mapping[str, str] = {
     Part.ROBUSTNESS_MULTI: "draws, section 5.2",
     Part.CONTROLS: "controls",
     Part.REMEDY: "remedy",
+    Part.READINGS: "readings, calm air",
+    Part.READINGS_WIND: "readings, steady wind",
+    Part.READINGS_POPULATION: "readings, population",
 }
 LABEL_NAMES: Mapping[str, Mapping[str, str]] = {
     Axis.PART: PART_NAMES,

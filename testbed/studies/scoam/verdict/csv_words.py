@@ -18,6 +18,7 @@ READING_WORDS: Final[Mapping[str, str]] = {
     Encounter.SINGLE_106_10: "direction (106.1, 10.4) deg",
     Encounter.MULTI_AS_PRINTED: "Table 3 as printed",
     Encounter.MULTI_O2_UP: "O_2 climbing at +15.4 deg",
+    Encounter.OVERTAKEN: "overtaken from straight behind",
 }
 
 METHOD_WORDS: Final[Mapping[str, str]] = words.METHOD_NAMES | {
@@ -26,6 +27,11 @@ METHOD_WORDS: Final[Mapping[str, str]] = words.METHOD_NAMES | {
     Method.DROAM_HP_RIGHT: "DROAM/HP right",
     Method.DROAM_VP_UP: "DROAM/VP up",
     Method.DROAM_VP_DOWN: "DROAM/VP down",
+    Method.SCOAM_NEARER: "SCOAM, nearer root",
+    Method.SCOAM_CORRECTED: "SCOAM, corrected cap",
+    Method.SCOAM_BEHIND: "SCOAM, behind the obstacle",
+    Method.SCOAM_FORWARD: "SCOAM, meeting ahead",
+    Method.SCOAM_FLYABLE: "SCOAM, flyable path",
 }
 RUNG_WORDS: Final[Mapping[str, str]] = {Rung.KINEMATIC: "on rails", Rung.JSBSIM: "flown"}
 

@@ -61,7 +61,7 @@ def gather(flights: Flights, it: Promise) -> Found:
         tuple(calm.values()),
         tuple(ok for _, ok in air),
         share(f"flown flights that {it.passed}", sum(flown), len(flown)),
-        _conditions(rails, calm, wind, turbulence),
+        conditions(rails, calm, wind, turbulence),
     )
     on_rails = share(f"flights on rails that {it.passed_on_rails or it.passed}", sum(rails.values()), len(rails))
     ruling = promise(evidence)
@@ -116,7 +116,7 @@ def _flown_rows(flights: Flights, encounter: str) -> list[Row]:
     return [*calm, *wind, *flights.pick(Part.TURBULENCE, Method.SCOAM, Rung.JSBSIM, encounter=encounter)]
 
 
-def _conditions(
+def conditions(
     rails: dict[Cell, bool], calm: dict[Cell, bool], wind: Sequence[tuple[Row, bool]], turbulence: Sequence[tuple[Row, bool]]
 ) -> str:
     """Which encounters, aircraft and airs pass: what completes "holds only if"."""
@@ -144,8 +144,8 @@ def _cells_named(good: set[Cell], every: set[Cell]) -> str:
 
 def _air_named(inside: Sequence[tuple[Row, bool]]) -> str:
     """Up to which wind and which turbulence every flight passes."""
-    wind = [(float(label(row, Axis.WIND_MPS) or "nan"), ok) for row, ok in inside if label(row, Axis.PART) == Part.WIND]
-    turbulence = [(_severity(row), ok) for row, ok in inside if label(row, Axis.PART) == Part.TURBULENCE]
+    wind = [(float(label(row, Axis.WIND_MPS) or "nan"), ok) for row, ok in inside if label(row, Axis.WIND_MPS)]
+    turbulence = [(_severity(row), ok) for row, ok in inside if label(row, Axis.SEVERITY)]
     calmest = [f"wind up to {most:g} m/s"] if (most := _up_to(wind)) is not None else []
     if (worst := _up_to(turbulence)) is not None:
         calmest.append(f"turbulence up to {SEVERITIES[int(worst)]}")

@@ -12,6 +12,7 @@ from testbed.studies.scoam.verdict.online import online
 from testbed.studies.scoam.verdict.promises import promises
 from testbed.studies.scoam.verdict.ranking import ranks
 from testbed.studies.scoam.verdict.reach import Reach
+from testbed.studies.scoam.verdict.readings import reading_cells, readings
 from testbed.studies.scoam.verdict.superior import superior
 from testbed.studies.scoam.verdict.tables import air_cells, cases, counted
 
@@ -32,4 +33,6 @@ def judge(rows: Iterable[Row], reach: Reach | None = None) -> Verdict:
         cases(flights),
         air_cells(flights),
         counted(flights),
+        readings(flights),
+        reading_cells(flights),
     )

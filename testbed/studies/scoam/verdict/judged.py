@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from testbed.results.statistics import Spread
+from testbed.results.statistics import Effect, Spread
 from testbed.studies.scoam.claim import Claim, Control, Rank, Waterfall
 
 
@@ -61,6 +61,30 @@ class Counted:
 
 
 @dataclass(frozen=True)
+class ReadingCell:
+    """One reading of the method in one encounter, or over the population, by one aircraft on one rung. All of it is of threats alone."""
+
+    method: str
+    part: str
+    encounter: str
+    aircraft: str
+    rung: str
+    n: int
+    kept: int
+    low: float
+    high: float
+    clearance: Spread
+    pairs: int  # with the paper's own reading in the same encounter and air
+    other: int  # of them: another clearance, so another answer or another path
+    only_this: int  # of them: only this reading keeps every radius
+    only_own: int
+    mcnemar_p: float
+    difference: Effect  # clearance, this reading's minus the paper's own
+    no_path: int  # flights in which the planner found no path
+    forbidden_by: str  # what forbade it, the most frequent first, each with its count
+
+
+@dataclass(frozen=True)
 class Verdict:
     """Claims in the order of the page: words first, then printed numbers, each merged number followed by its readings."""
 
@@ -71,6 +95,9 @@ class Verdict:
     cases: tuple[Case, ...]
     air: tuple[AirCell, ...]
     counted: tuple[Counted, ...]
+    readings: tuple[Claim, ...] = ()
+    """That the path is safe, for each way to read the method; nothing where none was flown."""
+    reading_cells: tuple[ReadingCell, ...] = ()
 
     @property
     def leading(self) -> tuple[Claim, ...]:

@@ -8,7 +8,7 @@ from typing import Final
 
 from testbed.results.statistics import NAN, NO_EFFECT, NO_SPREAD
 from testbed.studies.scoam.claim import FAILS_KINEMATICALLY, FAILS_WHEN_FLOWN, HOLDS_ONLY_IF, NOT_DETERMINED, Claim
-from testbed.studies.scoam.labels import Axis, Method
+from testbed.studies.scoam.labels import READING_PARTS, Axis, Method
 from testbed.studies.scoam.verdict.csv_words import say
 from testbed.studies.scoam.verdict.flights import Flights, label, number
 from testbed.studies.scoam.verdict.rulings import Ruling
@@ -28,7 +28,8 @@ def rule(answers: int, safe: Claim) -> Ruling:
 
 def online(flights: Flights, safe: Claim) -> Claim:
     """``safe``: the claim of section 5.1 that the path is safe, for whether the answer comes in time."""
-    answers = sum(label(row, Axis.METHOD) == Method.SCOAM and number(row, "replans") > 0 for row in flights.all)
+    scoam = (row for row in flights.all if label(row, Axis.METHOD) == Method.SCOAM and label(row, Axis.PART) not in READING_PARTS)
+    answers = sum(number(row, "replans") > 0 for row in scoam)
     ruling = rule(answers, safe)
     said = [f"{ruling.reason[:1].upper()}{ruling.reason[1:]}."] if ruling.reason else []
     if answers:
