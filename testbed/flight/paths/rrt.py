@@ -27,7 +27,7 @@ GOAL_BIAS = 0.15
 WITHIN_M = 40.0  # the end of a tree lies so near to the present path again
 LATER = 1.5  # a tree takes at most so much longer than the present path
 AT_MOST = 10  # so many states of a tree's path are tried as waypoints
-MISSING = "the planner rrt needs the package ompl: install the extra of that planner, vosc-testbed[rrt]"
+MISSING = "the planner rrt needs a package that is not installed: pip install 'vosc-testbed[rrt]'"
 
 
 class RandomTree(PathPlanner):
