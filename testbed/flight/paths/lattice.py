@@ -21,7 +21,7 @@ from vosc import ph
 from vosc.vec import FloatArray, IntArray
 
 SPANS = (1, 2, 3)  # steps ahead that an edge may take
-GREED = 1.1  # what is still ahead counts so much more: the way is at most so much longer than the shortest of the lattice
+GREED = 1.1  # what is still ahead counts so much more: a way is found sooner, and may be longer than the shortest by as much
 EASES = np.array([0.0, 1.0])  # of each edge both forms are tried
 AROUND = (-1, 0, 1)  # cells about where the two directions of an edge lead
 

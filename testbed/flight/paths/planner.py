@@ -1,9 +1,8 @@
 """The planner that all searches in space and time share: when it is asked, what the search is told, what is done with its answer.
 
 It is asked once for each new threat, as the paper's re-planning is (``replan.horizon_s``), unless the present path passes that threat
-anyway, and plans past everything in sight. A path
-within all limits is flown; where the search finds none the flight stays on the path that it is on, and the event ``no_path`` says which
-limit forbids the nearest candidate.
+anyway, and plans past everything in sight. A path within all limits is flown; where the search finds none the flight stays on the path
+that it is on, and the event ``no_path`` says which limit forbids the nearest candidate.
 """
 
 import math
