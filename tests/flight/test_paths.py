@@ -15,7 +15,7 @@ from testbed.flight.paths import PATHS
 from testbed.flight.paths.validity import Pace, Sampled, Spheres, clearances, times
 from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.record import Decision, FlightRecord, Outcome
-from tests.plans import KINEMATIC, plan
+from tests.plans import GTM, KINEMATIC, plan
 from vosc import ph
 
 ROUTE = {"start_enu_m": [0, 0, 300], "goal_enu_m": [900, 100, 320], "start_direction_deg": [0, 0], "goal_direction_deg": [10, 2]}
@@ -116,6 +116,15 @@ def test_the_same_plan_is_the_same_path(records: dict[str, FlightRecord]) -> Non
     for kind, first in records.items():
         again = flown(kind)
         assert [path.curves for path in again.paths] == [path.curves for path in first.paths]
+
+
+@pytest.mark.slow
+def test_an_aircraft_that_flies_it_keeps_the_radius() -> None:
+    record = flown("lattice", **GTM)
+    assert record.outcome == Outcome.REACHED
+    for spec in record.plan.obstacles:
+        apart = record.columns["own.pos_enu_m"] - record.columns[f"obstacle.{spec.name}.pos_enu_m"]
+        assert np.linalg.norm(apart, axis=1).min() > spec.radius_m + 0.5 * SPARE_M
 
 
 @pytest.mark.parametrize("kind", ["lattice", "particle_swarm"])
