@@ -100,6 +100,21 @@ class Curves:
         bend = np.stack([f * (w * dx + g * x) for x, dx in zip(a, da, strict=True)], axis=-1)
         return sigma, tangent, bend
 
+    def places(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """At parameters t (m,): points (n,m,3) m, and arc lengths from the start (n,m) m, both exact."""
+        degree, n = len(self.a) - 1, len(self)
+        rates = np.zeros((2 * degree + 1, 4, n))  # Bernstein coefficients of r' and |r'|
+        with np.errstate(invalid="ignore", over="ignore"):  # lost rows
+            for i, p in enumerate(self.a):
+                for j, q in enumerate(self.a):
+                    share = math.comb(degree, i) * math.comb(degree, j) / math.comb(2 * degree, i + j)
+                    rates[i + j] += share * np.stack([*_star(p, q, self.e), _dot(p, q)])
+            last = len(rates)
+            sums = np.concatenate([np.zeros((1, 4, n)), np.cumsum(rates, axis=0) / last])
+            basis = np.array([math.comb(last, k) * t**k * (1.0 - t) ** (last - k) for k in range(last + 1)])
+            out = (basis.T @ sums.reshape(last + 1, 4 * n)).reshape(len(t), 4, n).transpose(2, 0, 1)
+        return out[..., :3] + self.start_m[:, None, :], out[..., 3]
+
 
 def weight(degree: int, i: int, j: int) -> float:
     """Integral over [0, 1] of the product of two Bernstein polynomials of this degree."""

@@ -92,13 +92,22 @@ class _Search:
         return hermite_many(self.p0, magnitudes[:, 0:1] * chord * self.t0, p1, magnitudes[:, 1:2] * chord * t1, self.bend)
 
 
-def _bank_rate(sigma: FloatArray, tangent: FloatArray, bend: FloatArray, dt: float, speed: float) -> FloatArray:
-    """Largest bank rate (n,), rad/s, of coordinated flight along sampled curves."""
+def lift(tangent: FloatArray, bend: FloatArray, speed_mps: FloatArray | float) -> tuple[FloatArray, FloatArray]:
+    """What the wings carry in coordinated flight along a path, m/s^2, across it: to the right, and up (...,).
+
+    ``tangent`` and curvature vector ``bend`` (...,3); the bank is the angle of the one over the other.
+    """
     vertical = tangent[..., 2]
     climb = np.maximum(1.0 - vertical**2, 1e-12)
     up = (np.array([0.0, 0.0, 1.0]) - vertical[..., None] * tangent) / np.sqrt(climb)[..., None]
-    lift = speed * speed * bend + G_MPS2 * up * np.sqrt(climb)[..., None]
-    bank = np.unwrap(np.arctan2((lift * np.cross(tangent, up)).sum(axis=-1), (lift * up).sum(axis=-1)), axis=1)
+    square = np.asarray(speed_mps * speed_mps)
+    carried = square[..., None] * bend + G_MPS2 * up * np.sqrt(climb)[..., None]
+    return (carried * np.cross(tangent, up)).sum(axis=-1), (carried * up).sum(axis=-1)
+
+
+def _bank_rate(sigma: FloatArray, tangent: FloatArray, bend: FloatArray, dt: float, speed: float) -> FloatArray:
+    """Largest bank rate (n,), rad/s, of coordinated flight along sampled curves."""
+    bank = np.unwrap(np.arctan2(*lift(tangent, bend, speed)), axis=1)
     middle = 0.5 * (sigma[:, 1:] + sigma[:, :-1])
     with np.errstate(over="ignore", invalid="ignore"):  # at a cusp
         rate: FloatArray = np.abs(np.diff(bank, axis=1) / (middle * dt)).max(axis=1) * speed

@@ -47,12 +47,14 @@ class Family:
 
 METHOD_TABLES = ("vosc.methods:METHODS", "testbed.flight.laws:LAWS")
 """Directions, and laws over time."""
+PLANNER_TABLES = ("testbed.flight.planning:PLANNERS", "testbed.flight.paths:PATHS")
+"""Those that ask a method or predict the aircraft, and searches for a path in space and time."""
 
 FAMILIES: dict[str, Family] = {
     family.name: family
     for family in (
         Family("method", "methods", METHOD_TABLES, given=2, given_to_class=0),  # own, obstacles; a law over time
-        Family("planner", "planners", ("testbed.flight.planning:PLANNERS",), given=0),
+        Family("planner", "planners", PLANNER_TABLES, given=0),
         Family("guidance", "guidance", ("testbed.flight.guidance:GUIDANCE",), given=1),  # its setting: aircraft, speed, step
         Family("plant", "plants", ("testbed.flight.plants:PLANTS",), given=1),  # its setting: aircraft, start, scene, rates
         Family("sensor", "sensors", ("testbed.flight.sensing:SENSORS",), given=0),

@@ -50,7 +50,8 @@ class PlannerSpec(Pluggable):
 
     kind: str = "replan"
     """replan: the paper's, with the settings of `method` and `replan`. survivor: predicts the aircraft and takes what keeps the radius
-    when flown (docs/survivor.md); `replan` says how it comes back. `file:name` is a planner of a plug-in."""
+    when flown (docs/survivor.md); `replan` says how it comes back. lattice, rrt, genetic, particle_swarm: search for a whole path in space
+    and time within the aircraft's limits (docs/methods). `file:name` is a planner of a plug-in."""
 
     @classmethod
     def _try(cls, part: Any, options: dict[str, Any]) -> None:
