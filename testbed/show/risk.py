@@ -39,7 +39,9 @@ def risk_part(risk: Risk | None, daa: Daa | None, axes: Sequence[str]) -> dict[s
         "weight": daa.weight,
         "matrices": [_matrix(one) for one in eventful[:MOST_MATRICES]],
         "matrices_left_out": max(0, len(eventful) - MOST_MATRICES),
-        "limits": [(title(name), name, limits_text(volume)) for name, volume in daa.all_volumes.items()],
+        "limits": [
+            (title(name), name, limits_text(volume).replace("<=", "\N{LESS-THAN OR EQUAL TO}")) for name, volume in daa.all_volumes.items()
+        ],
         "needed_by": title(daa.needed_by),
         "dmod": f"{daa.dmod_m:.10g} m",
         **_misses(risk, daa),

@@ -37,8 +37,9 @@ def ratio_interval(weights: Array, without: Array, with_: Array, rng: np.random.
     below, above = float(weights @ without), float(weights @ with_)
     if n == 0 or below <= 0.0:
         return Interval()
-    kinds, counts = np.unique(np.column_stack([weights, without, with_]), axis=0, return_counts=True)
-    w, e0, e1 = kinds.T
+    known_weights, which = np.unique(weights, return_inverse=True)
+    kinds, counts = np.unique(4 * which + 2 * (without > 0.0) + (with_ > 0.0), return_counts=True)
+    w, e0, e1 = known_weights[kinds // 4], (kinds // 2 % 2).astype(float), (kinds % 2).astype(float)
     value = above / below
     resampled = _resampled(w * e0, w * e1, counts, n, rng)
     if np.ptp(resampled) <= 1e-12 * max(value, 1.0):

@@ -172,15 +172,11 @@ class DaaMeasured(Measured):
         """Places (n,3) on the route by its schedule; NaN past its end."""
         record, route = self.record, self.record.paths[0]
         wind = make_wind(record.plan.air, record.plan.terrain_z_m)
-        s = arc_lengths(route.chain, self._begin_s, record.columns["time_s"], record.plan, wind)
+        s = arc_lengths(route.chain, self.begin_s_m, record.columns["time_s"], record.plan, wind)
         point = np.full((len(s), 3), NAN)
         on_it = s <= route.length_m
         point[on_it] = route.chain.places(s[on_it])
         return point
-
-    @property
-    def _begin_s(self) -> float:
-        return float(self.record.columns["path.s_m"][0])
 
     # What it cost.
 
@@ -212,7 +208,7 @@ class DaaMeasured(Measured):
 
     @property
     def extra_length_m(self) -> float:
-        return self.length_m - (self.record.paths[0].length_m - self._begin_s) if self._arrived else NAN
+        return self.length_m - (self.record.paths[0].length_m - self.begin_s_m) if self._arrived else NAN
 
     @property
     def extra_time_s(self) -> float:
@@ -220,7 +216,7 @@ class DaaMeasured(Measured):
             return NAN
         record, route = self.record, self.record.paths[0]
         wind = make_wind(record.plan.air, record.plan.terrain_z_m)
-        return self.time_s - planned_time(route.chain, self._begin_s, route.length_m, record.plan, wind)
+        return self.time_s - planned_time(route.chain, self.begin_s_m, route.length_m, record.plan, wind)
 
 
 def greatest(values: Array) -> float:
