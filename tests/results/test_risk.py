@@ -76,6 +76,7 @@ def test_weights_count_an_encounter_as_so_many() -> None:
     assert (near.encounters, near.resolved, found.unweighted) == (4, 2, 1)
 
 
+@pytest.mark.slow
 def test_a_thousand_intervals_cover_the_known_ratio() -> None:
     """400 encounters, 40 % with an event without avoidance, ratio 0.30 of which 0.05 is induced; a third of them with weights."""
     rng = np.random.default_rng(8)
