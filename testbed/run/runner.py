@@ -160,7 +160,7 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, planned: Pla
     flown = 0
     for which in stopping.batches(campaign, planned):
         flown += _fly_these(directory, order, campaign, planned, about, world, which)
-        if stopping.enough(campaign, planned, rows_of(directory), which):
+        if campaign.stop is not None and stopping.enough(campaign, planned, rows_of(directory), which):
             break
     return flown
 

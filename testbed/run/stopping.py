@@ -26,12 +26,13 @@ RATIO = "risk_ratio."
 def refuse(campaign: Campaign) -> None:
     """Raise ``BadInputError`` for a column of ``stop`` or ``daa.weight`` that there is not."""
     known = {column.name: column for column in (*METRICS, *daa_columns(campaign.daa))}
+    if campaign.study.part.flies and (campaign.stop or campaign.daa):
+        asked = "stop" if campaign.stop else "daa"
+        raise BadInputError(f"{asked}: the study '{campaign.study.kind}' flies by itself, and its rows have no columns")
     if campaign.stop is not None:
         column = campaign.stop.column
         ratios = [] if campaign.daa is None else [f"{RATIO}{name}" for name in (SPHERE, *campaign.daa.all_volumes)]
         fits = [name for name, one in known.items() if one.kind in (Kind.FLAG, Kind.NUMBER)]
-        if campaign.study.part.flies:
-            raise BadInputError(f"stop: the study '{campaign.study.kind}' flies by itself, and its rows have no columns")
         if column not in (*ratios, *fits):
             what = "; risk_ratio.<volume> goes with a section daa" if column.startswith(RATIO) and not ratios else ""
             raise BadInputError(

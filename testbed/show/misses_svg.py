@@ -40,15 +40,15 @@ def misses_svg(points: Sequence[Point], every: Sequence[Point], volumes: Mapping
         right, top, ground = x(wide), y(high), y(0)
         if volumes[name].shape == "sphere":
             way = f"M{LEFT:g} {top:.1f}A{right - LEFT:.1f} {ground - top:.1f} 0 0 1 {right:.1f} {ground:.1f}"
-            names.append((x(0.71 * wide), y(0.71 * high), name))
+            names.append((LEFT + 4.0, top, name, "start"))
         else:
             way = f"M{LEFT:g} {top:.1f}H{right:.1f}V{ground:.1f}"
-            names.append((right - 3.0, top, name))
+            names.append((right - 3.0, top, name, "end"))
         parts.append(f'<path class="volume" d="{way}"/>')
     inside = [point for point in points if point[0] <= reach[0] and point[1] <= reach[1]]
     parts += [f'<circle cx="{x(h):.1f}" cy="{y(v):.1f}" r="2.6"/>' for h, v in inside]
-    for at, up, name in names:
-        parts.append(f'<text class="name" x="{at:.1f}" y="{up - 4.0:.1f}" text-anchor="end">{escape(title(name))}</text>')
+    for at, up, name, anchor in names:
+        parts.append(f'<text class="name" x="{at:.1f}" y="{up - 4.0:.1f}" text-anchor="{anchor}">{escape(title(name))}</text>')
     if beyond := len(points) - len(inside):
         parts.append(f'<text x="{WIDTH - RIGHT:g}" y="{TOP + 8:g}" text-anchor="end">{beyond} beyond</text>')
     parts.append(f'<text x="{WIDTH - RIGHT:g}" y="{HEIGHT - 5:g}" text-anchor="end">horizontal miss, m</text>')

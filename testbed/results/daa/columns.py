@@ -7,13 +7,14 @@ Obstacles count together: the nearest, the deepest, any.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from testbed.campaign.words.daa import Daa, Volume
 from testbed.core.units import FT
-from testbed.flight.record import FlightRecord
 from testbed.results.columns import NOT_MEASURED, Column, Kind, columns_of, declared, read_aloud
-from testbed.results.daa.measured import DaaMeasured
+
+if TYPE_CHECKING:
+    from testbed.flight.record import FlightRecord
 
 
 @dataclass(frozen=True)
@@ -145,8 +146,10 @@ def daa_columns(daa: Daa | None) -> tuple[Column, ...]:
     return () if daa is None else _columns(daa.model_dump_json())
 
 
-def measure_daa(record: FlightRecord, daa: Daa) -> dict[str, Any]:
+def measure_daa(record: "FlightRecord", daa: Daa) -> dict[str, Any]:
     """Their values of one flight."""
+    from testbed.results.daa.measured import DaaMeasured  # a driver that only reads rows does without the physics
+
     of = DaaMeasured(record, daa)
     return {column.name: column.function(of) for column in daa_columns(daa) if column.function is not None}
 
