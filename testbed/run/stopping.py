@@ -1,6 +1,7 @@
 """When a campaign has flown enough (``stop``): after which batch of replicates every interval that it asks for is narrow enough.
 
-Batches are of whole replicates, all cells alike. It is decided by all rows of the batches so far in the order of the plan, and by
+Batches are of whole replicates, all cells alike: of ``every``, and when there are ten of those, of a tenth of what there is, because all
+rows so far are read to decide. It is decided by all rows of the batches so far in the order of the plan, and by
 nothing else: with any number of workers, in one go or after interruptions, a campaign stops at the same flight.
 """
 
@@ -53,8 +54,17 @@ def batches(campaign: Campaign, planned: Planned) -> Iterator[np.ndarray]:
         yield np.arange(len(planned))
         return
     replicates = np.fromiter((flight["replicate"] for flight in planned.flights), dtype=np.int64, count=len(planned))
-    for below in range(campaign.stop.every, int(replicates.max(initial=0)) + 1 + campaign.stop.every, campaign.stop.every):
+    for below in boundaries(campaign.stop.every, int(replicates.max(initial=-1)) + 1):
         yield np.flatnonzero(replicates < below)
+
+
+def boundaries(every: int, most: int) -> Iterator[int]:
+    """How many replicates there are after each batch, the last with all of them."""
+    below = every
+    while below < most:
+        yield below
+        below += every * max(1, math.ceil(0.1 * below / every))
+    yield most
 
 
 def enough(campaign: Campaign, planned: Planned, index: Index, which: np.ndarray) -> bool:
@@ -97,9 +107,9 @@ def flights(campaign: Campaign, planned: Planned, index: Index) -> int:
     """How many the run is whole with: all that are planned, or those after which it has enough."""
     if campaign.stop is None:
         return len(planned)
+    last = np.zeros(0, dtype=int)  # the flights of the last batch that is complete: it went on after those before
     for which in batches(campaign, planned):
         if (index.places(planned.ids[which]) < 0).any():
             break
-        if enough(campaign, planned, index, which):
-            return len(which)
-    return len(planned)
+        last = which
+    return len(last) if len(last) and enough(campaign, planned, index, last) else len(planned)

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
@@ -72,6 +73,15 @@ def test_workers_and_interruptions_do_not_show_in_where_it_stops(tmp_path):
 def test_it_flies_all_where_the_width_is_never_reached(tmp_path):
     campaign(tmp_path, DAA + STOP.replace("0.3", "0.01"), replicates=30)
     assert fly(tmp_path, job=kept_every_other).planned == 60
+
+
+def test_batches_grow_with_what_has_been_flown_and_end_with_all():
+    assert list(stopping.boundaries(10, 35)) == [10, 20, 30, 35]
+    many = list(stopping.boundaries(100, 100_000))
+    assert many[:11] == [*range(100, 1100, 100), 1100]
+    assert many[-1] == 100_000
+    assert len(many) < 70
+    assert all(b - a <= 0.1 * a + 100 for a, b in pairwise(many))
 
 
 @pytest.mark.parametrize(

@@ -123,4 +123,4 @@ class Stop(Section):
     width: Positive
     """The 95 % interval of every cell is to be at most this wide (of a ratio: that of every method), in the unit of the column."""
     every: Annotated[Whole, Field(ge=10, le=100_000)] = 100
-    """Replicates in a batch."""
+    """Replicates in a batch; after ten batches each is a tenth of what has been flown."""
