@@ -1,6 +1,8 @@
 """A campaign that asks for detect and avoid, from its file to its tables and page; and the same one that does not ask."""
 
 import csv
+import re
+import shutil
 from pathlib import Path
 
 import pandas as pd
@@ -11,6 +13,7 @@ from testbed import open_run
 from testbed.campaign import load_campaign
 from testbed.results.daa.columns import daa_columns
 from testbed.run import runner
+from testbed.run.compared import compared
 from testbed.run.replay import replay
 from tests.here import Here
 
@@ -93,6 +96,18 @@ def test_a_flight_is_replayed_with_its_columns(runs: dict[str, Path], tmp_path: 
         assert any("entered_nmac" in line for line in replay(runs["daa"], first, tmp_path / "again.rrd").differences)
     finally:
         rows.write_text(was)
+
+
+def test_two_runs_are_compared_by_these_columns_too(runs: dict[str, Path], tmp_path: Path) -> None:
+    """The second has every slant miss 2 m larger; a run that did not ask has none to compare."""
+    second = tmp_path / "second"
+    shutil.copytree(runs["daa"], second)
+    rows = second / "rows.jsonl"
+    rows.write_text(re.sub(r'"slant_miss_m":([\d.]+)', lambda found: f'"slant_miss_m":{float(found[1]) + 2.0!r}', rows.read_text()))
+    both = {one.column.name: one for one in compared(runs["daa"], second).compared.differences}
+    assert both["slant_miss_m"].effect.value == pytest.approx(2.0, abs=1e-9)
+    assert both["horizontal_miss_m"].effect.value == 0.0
+    assert "slant_miss_m" not in {one.column.name for one in compared(runs["plain"], second).compared.differences}
 
 
 def test_a_journal_of_anybodys_makes_no_report_fail(runs: dict[str, Path]) -> None:
