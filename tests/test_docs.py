@@ -10,6 +10,7 @@ from PIL import Image
 
 from testbed.flight.record.signals import SIGNALS
 from testbed.results.columns import COLUMNS
+from testbed.results.daa.columns import DAA_METRICS, volume_columns
 
 DOCS = Path(__file__).parents[1] / "docs"
 
@@ -29,7 +30,8 @@ def test_the_page_of_the_columns_is_what_is_declared() -> None:
     page = (DOCS / "results.md").read_text(encoding="utf-8")
     assert page == make.text(), "write it again: make docs"
     listed = re.findall(r"^\| `([^`]+)`", page, re.M)
-    assert listed == [*(column.name for column in COLUMNS), *(signal.name for signal in SIGNALS)]
+    of_daa = (*DAA_METRICS, *volume_columns("<volume>", ""))
+    assert listed == [*(column.name for column in (*COLUMNS, *of_daa)), *(signal.name for signal in SIGNALS)]
 
 
 def test_the_gallery_is_what_its_command_writes_and_stays_small() -> None:

@@ -102,7 +102,7 @@ def validate(
     with bad_input():
         from testbed.campaign import SpecError
         from testbed.core.catalogue import aircraft_beside
-        from testbed.run import estimate
+        from testbed.run import estimate, power, stopping
         from testbed.run.directory import BadInputError
         from testbed.run.engines import usable_cores
         from testbed.run.trial import load_tried
@@ -112,10 +112,13 @@ def validate(
             try:
                 with aircraft_beside(file.parent):
                     campaign = load_tried(file, override or ())
+                    stopping.refuse(campaign)
                     counted = estimate.count(campaign)
                     say(f"{file}: {_counted(counted.flights, sum(counted.cells.values()))}")
                     for name in campaign.parts:
                         say(f"  {name}: {_counted(counted.flights_of[name], counted.cells[name])}")
+                    for line in power.told(campaign):
+                        say(f"  {line}")
                     if not no_estimate:
                         number = workers or usable_cores()
                         for line in estimate.told(counted, estimate.estimate(campaign, counted, number), number):

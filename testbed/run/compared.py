@@ -11,10 +11,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from testbed.campaign.words.daa import Daa
 from testbed.core.canonical import canonical
 from testbed.core.utf8 import clipped
-from testbed.results.columns import METRICS, Kind
+from testbed.results.columns import METRICS, Column, Kind
 from testbed.results.compare import FOUND, Compared, Flight, NotComparableError, Swept, compare, flight, swept
+from testbed.results.daa.columns import checked, daa_columns
 from testbed.run import identity, journal, listed, manifest, planned
 from testbed.run.directory import BadInputError, RunDirectory
 from testbed.run.planned import Planned
@@ -79,13 +81,23 @@ def _opened(path: Path) -> _Opened:
     with journal_read():
         rows = index.lines(places[np.flatnonzero(places >= 0)], journal.row_of)
         searched = any(FOUND in row for row in islice(rows, 1))
-        flights = [flight(row, MEASURED) for row in rows]
+        more = _more(plan.campaign)
+        asked = (*MEASURED, *(column.name for column in more if column.kind in (Kind.NUMBER, Kind.WHOLE)))
+        flights = [flight(checked(row, more), asked) for row in rows]
     encounters: dict[str, bytes] = {}
     try:
         planned_axes = swept(_labels(plan, encounters))
     except planned.NOT_A_PLAN as problem:
         raise BadInputError(f"{plan.path}: damaged, or not a plan of this version of testbed ({problem})") from None
     return _Opened(directory, about, plan, flights, planned_axes, encounters, searched)
+
+
+def _more(campaign: Mapping[str, Any]) -> tuple[Column, ...]:
+    """The columns of detect and avoid, where a campaign asks for them, of a plan that anybody may have written."""
+    try:
+        return daa_columns(Daa.model_validate(campaign["daa"])) if campaign.get("daa") is not None else ()
+    except ValueError:
+        return ()
 
 
 def _labels(plan: Planned, encounters: dict[str, bytes]) -> Iterator[Mapping[str, str]]:

@@ -24,6 +24,7 @@ OURS = (
     "results.csv",
     "results.parquet",
     "checks.csv",
+    "risk.csv",
     "answer.json",
     "index.html",
 )

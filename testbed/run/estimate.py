@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from testbed.run.job import Job, JobResult, run_job
 from testbed.run.storing import SERIES
 from testbed.run.world import world_of
 from testbed.studies.study import Study
+
+if TYPE_CHECKING:
+    from testbed.results.columns import Column
 
 SAMPLE = 4
 """Flights that are flown to see, of cells evenly spread over the campaign."""
@@ -135,6 +138,7 @@ def estimate(campaign: Campaign, counted: Counted, workers: int) -> Estimate:
                 campaign.check,
                 here / "columns" / f"{k}.parquet" if counted.columns else None,
                 world,
+                campaign.daa,
             )
             for k, plan in enumerate(counted.sample)
         ]
@@ -184,18 +188,20 @@ def _bytes(campaign: Campaign, counted: Counted, results: Sequence[JobResult], h
         "timings.csv": counted.flights * (13 + _mean([8 * len(told) + len(one.timings) for told, one in zip(timed, results, strict=True)])),
     }
     if not campaign.study.part.flies:
-        found |= _table_bytes([result.row for result in results], counted.flights)
+        from testbed.results.daa.columns import daa_columns
+
+        found |= _table_bytes([result.row for result in results], counted.flights, daa_columns(campaign.daa))
     for name, number in (("recordings", counted.recordings), ("columns", counted.columns)):
         sizes = [file.stat().st_size for file in (here / name).glob("*")] if number else []
         found |= {name: number * _mean(sizes)} if sizes else {}
     return found
 
 
-def _table_bytes(rows: list[dict[str, Any]], flights: int) -> dict[str, float]:
+def _table_bytes(rows: list[dict[str, Any]], flights: int, more: "tuple[Column, ...]") -> dict[str, float]:
     """Of both tables. What differs between the flights flown is taken to differ between all."""
     from testbed.results import tables
 
-    table = tables.table(rows)
+    table = tables.table(rows, more=more)
     one = (len(tables.csv_bytes(table)) - len(tables.csv_bytes(table.slice(0, 0)))) / len(rows)
     rng = np.random.default_rng(0)
     varied = [name for name in rows[0] if len({repr(row[name]) for row in rows}) > 1] if len(rows) > 1 else list(rows[0])
@@ -204,13 +210,15 @@ def _table_bytes(rows: list[dict[str, Any]], flights: int) -> dict[str, float]:
     for k in range(JITTERED):
         row = rows[k % len(rows)]
         jittered.append(row | {"flight_id": rng.bytes(6).hex()} | {name: row[name] * (1.0 + 1e-6 * rng.random()) for name in differ})
-    packed = (len(tables.parquet_bytes(tables.table(jittered))) - len(tables.parquet_bytes(tables.table([])))) / JITTERED
-    return {"results.csv": flights * one, "results.parquet": flights * packed + len(tables.parquet_bytes(tables.table([])))}
+    packed = (
+        len(tables.parquet_bytes(tables.table(jittered, more=more))) - len(tables.parquet_bytes(tables.table([], more=more)))
+    ) / JITTERED
+    return {"results.csv": flights * one, "results.parquet": flights * packed + len(tables.parquet_bytes(tables.table([], more=more)))}
 
 
 def _seconds(counted: Counted, results: Sequence[JobResult], workers: int) -> float:
     """What only some flights are asked for is counted for those alone."""
-    stages = {name: _mean([result.timings.get(name, 0.0) for result in results]) for name in ("fly", "measure", "check")}
+    stages = {name: _mean([result.timings.get(name, 0.0) for result in results]) for name in ("fly", "measure", "daa", "check")}
     some = sum(number * _mean([result.timings.get(name, 0.0) for result in results]) for name, number in _asked(counted).items())
     at_work = max(1, min(workers, counted.flights))
     return START_S + (counted.flights * sum(stages.values()) + some) / at_work + counted.flights * DRIVER_S

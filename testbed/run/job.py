@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from testbed.campaign.words.check import Check
+from testbed.campaign.words.daa import Daa
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.utf8 import reason, shortened, whole
 from testbed.flight.record import FlightRecord, Outcome
@@ -27,6 +28,7 @@ class Job:
     check: Check | None = None
     columns_path: Path | None = None
     world: World = NOTHING_MORE
+    daa: Daa | None = None
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,10 @@ def run_job(job: Job) -> JobResult:
 def crashed(job: Job, message: str, details: str) -> JobResult:
     """The row of a flight that the program failed to fly."""
     metrics = nothing_measured() | {"outcome": Outcome.CRASHED.value}
+    if job.daa is not None:
+        from testbed.results.daa.columns import no_daa
+
+        metrics |= no_daa(job.daa)
     story = _story([], shortened(message), whole(details[-MOST_DETAILS:]), None)
     return JobResult(_identity(job.plan) | metrics | story, None, {})
 
@@ -92,7 +98,13 @@ def _run(job: Job) -> JobResult:
 
         raw = job.columns_path
         _timed(timings, "columns", lambda: write_columns(record, raw))
-    row = _identity(job.plan) | vars(metrics) | _story([dict(vars(event)) for event in record.events], record.message, "", recording)
+    daa: Row = {}
+    if job.daa is not None:
+        from testbed.results.daa.columns import measure_daa
+
+        asked = job.daa
+        daa = _timed(timings, "daa", lambda: measure_daa(record, asked))
+    row = _identity(job.plan) | vars(metrics) | daa | _story([dict(vars(event)) for event in record.events], record.message, "", recording)
     if job.check is not None:
         from testbed.results.checks import evidence
 

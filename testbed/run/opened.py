@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
+FLAGS_OF_DAA = ("entered_", "manoeuvre_needed", "false_manoeuvre", "missed_manoeuvre")
+"""What the flags begin with that a campaign with a section daa has beside the others."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -41,6 +44,7 @@ class Run:
             raise BadInputError(f"{file}: not a table of this version of testbed, it has no {lost[0]}")
         frame: pd.DataFrame = table.to_pandas()
         flags = [column.name for column in METRICS if column.kind is Kind.FLAG]
+        flags += [one.name for one in table.schema if one.type == "bool" and one.name.startswith(FLAGS_OF_DAA)]
         frame[flags] = frame[flags].astype("boolean")  # true, false or missing, whether a flight of the run has none or not
         frame.attrs["units"] = _told(table.schema, b"unit")
         frame.attrs["definitions"] = _told(table.schema, b"definition")

@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from testbed.campaign.words.daa import Daa
 from testbed.results.columns import METRICS
+from testbed.results.daa.columns import daa_columns
 from testbed.run import identity, journal, manifest
 from testbed.run.directory import BadInputError, recording_file
 from testbed.run.engines import Died, LocalEngine, limited
@@ -38,20 +40,22 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
     with journal_read():
         stored = rows.lines(places, journal.row_of)[0] if places[0] >= 0 else None
     engine = limited(LocalEngine(1), campaign.limits.wall_limit_s)  # in a worker, as it was flown the first time
-    ((_, again),) = engine.imap(job, [Job(plan, recording, world=world_of_run(directory))])
+    ((_, again),) = engine.imap(job, [Job(plan, recording, world=world_of_run(directory), daa=campaign.daa)])
     if isinstance(again, Died):
-        again = crashed(Job(plan), again.reason, again.details)
+        again = crashed(Job(plan, daa=campaign.daa), again.reason, again.details)
     of_run = replace(again, row=again.row | {"recording": None})  # it may be anywhere, and a run's own is where a run has it
     row = journal.decode(journal.encode(of_run)).row
     same_code = about["identity"]["code"] == identity.code_hash() and about["identity"]["versions"] == identity.versions()
-    return Replay(recording, plan.flight_id, _changes(stored, row), same_code)
+    return Replay(recording, plan.flight_id, _changes(stored, row, campaign.daa), same_code)
 
 
-def _changes(stored: Row | None, row: Row) -> list[str]:
+def _changes(stored: Row | None, row: Row, daa: Daa | None) -> list[str]:
     if stored is None:
         return ["the run has no row of this flight yet"]
-    names = [*(column.name for column in METRICS), "events", "message", "traceback"]
-    return [line for name in names for line in identity.differences({name: _comparable(stored[name])}, {name: _comparable(row[name])})]
+    names = [*(column.name for column in (*METRICS, *daa_columns(daa))), "events", "message", "traceback"]
+    return [
+        line for name in names for line in identity.differences({name: _comparable(stored.get(name))}, {name: _comparable(row.get(name))})
+    ]
 
 
 def _comparable(value: Any) -> Any:

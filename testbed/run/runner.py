@@ -14,7 +14,7 @@ import numpy as np
 
 from testbed.campaign.words.settings import Campaign
 from testbed.flight.record import Outcome
-from testbed.run import identity, journal, listed, manifest, storing
+from testbed.run import identity, journal, listed, manifest, stopping, storing
 from testbed.run import planned as planned_file
 from testbed.run import world as world_files
 from testbed.run.directory import RUNS, BadInputError, RunDirectory
@@ -79,6 +79,7 @@ class Order:
 def run(order: Order) -> Summary:
     """Fly what is not yet flown of a campaign, and write the results."""
     campaign = load_tried(order.source, order.overrides)
+    stopping.refuse(campaign)
     text = order.source.read_bytes()  # before --fresh removes anything: the campaign may be the run's own copy
     directory = RunDirectory(order.out or RUNS / campaign.name)
     directory.claim()
@@ -153,20 +154,34 @@ def _note_overrides(order: Order) -> bytes:
 
 
 def _fly(directory: RunDirectory, order: Order, campaign: Campaign, planned: Planned, about: Manifest, world: World) -> int:
-    """Fly the plans that have no row yet, and again those that crashed: memory or disk may have been short."""
+    """Fly the plans that have no row yet, and again those that crashed: memory or disk may have been short. Batch by batch, where the
+    campaign says when to stop.
+    """
+    flown = 0
+    for which in stopping.batches(campaign, planned):
+        flown += _fly_these(directory, order, campaign, planned, about, world, which)
+        if campaign.stop is not None and stopping.enough(campaign, planned, rows_of(directory), which):
+            break
+    return flown
+
+
+def _fly_these(
+    directory: RunDirectory, order: Order, campaign: Campaign, planned: Planned, about: Manifest, world: World, which: np.ndarray
+) -> int:
+    """Those of some numbers in the plan."""
     rows = rows_of(directory)
     done = rows.ids[~rows.crashed]
-    left = np.flatnonzero(~np.isin(planned.ids, done))
+    left = which[~np.isin(planned.ids[which], done)]
     if not len(left):
         return 0
     how = {"command": shlex.join(order.command), "engine": order.engine.name, "workers": order.engine.workers}
     leg = how | {"started": _now(), "ended": None, "flights": len(left)}
     about["history"].append(leg)
     manifest.save(directory, about)
-    already = len(planned) - len(left)
+    already = len(which) - len(left)
     with journal_read():
         ended = Counter(rows.lines(np.flatnonzero(~rows.crashed), journal.outcome_of))
-    order.progress(already, len(planned), ended)
+    order.progress(already, len(which), ended)
     out, engine = _Out(storing.jobs(directory, campaign, planned, world, left)), limited(order.engine, campaign.limits.wall_limit_s)
     try:
         with journal.appending(directory / ROWS, rows.end) as rows_file, closing(engine.imap(order.job, out)) as results:
@@ -175,7 +190,7 @@ def _fly(directory: RunDirectory, order: Order, campaign: Campaign, planned: Pla
                 finished = crashed(job, result.reason, result.details) if isinstance(result, Died) else result
                 rows_file.append(finished)
                 ended[finished.row["outcome"]] += 1
-                order.progress(already + count, len(planned), ended)
+                order.progress(already + count, len(which), ended)
         leg["ended"] = _now()
     finally:
         if identity.code_hash() != about["identity"]["code"]:
@@ -214,9 +229,12 @@ def _written(directory: RunDirectory, campaign: Campaign, planned: Planned, flow
     about = manifest.load(directory)
     with journal_read():
         made = write_results(directory, about, campaign, planned, rows_of(directory))
+    if campaign.stop is not None and about["flights"] != made.whole:
+        about["flights"] = made.whole
+        manifest.save(directory, about)
     mixed = about["identity"]["code"] == manifest.MIXED
     listed.refresh(directory.path)
-    return Summary(directory.path, len(planned), made.outcomes, flown, mixed, made.checks, made.first_crash, campaign.plugins, made.answer)
+    return Summary(directory.path, made.whole, made.outcomes, flown, mixed, made.checks, made.first_crash, campaign.plugins, made.answer)
 
 
 def _now() -> str:

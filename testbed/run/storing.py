@@ -38,6 +38,7 @@ def jobs(directory: RunDirectory, campaign: Campaign, planned: Planned, world: W
             campaign.check,
             columns / f"{plan.flight_id}.parquet" if is_stored(plan.replicate, part.columns) else None,
             world,
+            campaign.daa,
         )
 
 

@@ -13,7 +13,8 @@ import numpy as np
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.utf8 import utf8
 from testbed.flight.record import Outcome
-from testbed.run import manifest
+from testbed.results.daa.columns import checked, daa_columns
+from testbed.run import manifest, stopping
 from testbed.run.directory import MANIFEST, OURS, BadInputError, RunDirectory
 from testbed.run.foreign import is_plain
 from testbed.run.job import Row
@@ -26,9 +27,10 @@ from testbed.studies.study import Run, Written
 if TYPE_CHECKING:
     from testbed.results.checks import CheckResult
     from testbed.results.columns import Kind
+    from testbed.results.daa.risk import Risk
 
 
-ANSWER = "answer.json"
+ANSWER, RISK = "answer.json", "risk.csv"
 
 
 @dataclass(frozen=True)
@@ -40,18 +42,23 @@ class Results:
     first_crash: str
     """Flight id and message of the first flight, in plan order, that crashed; empty if none did."""
     answer: Answer
+    whole: int
+    """Flights that the run is whole with."""
 
 
 def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, planned: Planned, index: Index) -> Results:
     """Write what follows from the rows there are. They are read as they are needed, and none is held: there may be very many."""
     places = index.places(planned.ids)
     there = np.flatnonzero(places >= 0)
-    rows = index.lines(places[there], row_of)
+    daa = campaign.daa if not campaign.study.part.flies else None
+    more = daa_columns(daa)
+    rows = index.lines(places[there], lambda line: checked(row_of(line), more))
     timings = index.lines(places[there], timings_of)
     plans = planned.some(there)
     curved = index.lines(places[there][index.curved[places[there]]], decode)
     series = {result.row["flight_id"]: result.series for result in curved if result.series is not None}
-    told = provenance(about, len(planned), len(rows))
+    whole = stopping.flights(campaign, planned, index)
+    told = provenance(about, whole, len(rows))
     counted = _Counted(rows)
     with directory.writing("timings.csv") as file:
         _write_timings(file, index, places[there])
@@ -61,10 +68,11 @@ def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, 
 
         axes = _axes(planned, there, rows)
         with directory.writing("results.csv") as table, directory.writing("results.parquet") as columns:
-            tables.write(counted, axes, table, columns)
+            tables.write(counted, axes, table, columns, more)
         checks = _check(directory, campaign, plans, rows, len(planned))
     else:
         deque(counted, maxlen=0)
+    risk = _risk(directory, campaign, rows)
     made = _studied(campaign, Run(campaign, plans, rows, timings, series, told))
     manifest.own(directory, about, list(made.files))
     for name, data in made.files.items():
@@ -73,12 +81,12 @@ def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, 
     if page is None:
         from testbed.show.page import render_page
 
-        beside = ["results.csv", *(["checks.csv"] if checks else []), *made.files]
-        page = render_page(campaign, rows, series, told, checks, made.head, beside)
+        beside = ["results.csv", *(["checks.csv"] if checks else []), *([RISK] if risk and risk.ratios else []), *made.files]
+        page = render_page(campaign, rows, series, told, checks, made.head, beside, risk)
     directory.put("index.html", utf8(page))
     answer = made.answer or counted.tally.answer(checks)
-    directory.put(ANSWER, utf8(_answer_text(campaign, answer, counted.outcomes, len(planned))))
-    return Results(checks, dict(counted.outcomes), counted.first_crash, answer)
+    directory.put(ANSWER, utf8(_answer_text(campaign, answer, counted.outcomes, whole)))
+    return Results(checks, dict(counted.outcomes), counted.first_crash, answer, whole)
 
 
 def _answer_text(campaign: Campaign, answer: Answer, outcomes: Counter[str], planned: int) -> str:
@@ -153,6 +161,18 @@ def _check(
     lines = checks.judge(campaign.check, flights, planned)
     directory.put("checks.csv", checks.csv_bytes(campaign.check.kind, lines))
     return lines
+
+
+def _risk(directory: RunDirectory, campaign: Campaign, rows: Sequence[Row]) -> "Risk | None":
+    """Ratios of risk, also written to ``risk.csv``; none of a campaign without a section daa, or without flights without avoidance."""
+    if campaign.daa is None or campaign.study.part.flies:
+        return None
+    from testbed.results.daa.risk import csv_bytes, risk_of
+
+    risk = risk_of(rows, campaign.daa, campaign.seed)
+    if risk.ratios:
+        directory.put(RISK, csv_bytes(risk, campaign.daa))
+    return risk
 
 
 def _write_timings(file: BinaryIO, rows: Index, places: np.ndarray) -> None:

@@ -10,6 +10,8 @@ from testbed.campaign.words.settings import Campaign
 from testbed.flight.record import Outcome
 from testbed.results.checks import CheckResult
 from testbed.results.columns import METRICS
+from testbed.results.daa.columns import daa_columns
+from testbed.results.daa.risk import Risk
 from testbed.results.flight_row import collided, keeps, value
 from testbed.show import campaign_summary
 from testbed.show.assets import PageHead, asset, environment, packed_json, plotly
@@ -21,12 +23,14 @@ from testbed.show.over_axis import OverAxes
 from testbed.show.over_axis_svg import pictures
 from testbed.show.pairs import Alike, Pair, pairs
 from testbed.show.player import player, scenes
+from testbed.show.risk import risk_part
 from testbed.show.shown_columns import DECISION_TERMS, PAIRED, text
 from testbed.show.tables import cells_table, decisions_table, flights_table, with_replicate
 from testbed.show.words import counted, number
 
 MOST_TRACEBACK = 4_000  # characters, its end
 SCRIPTS = ("plot.js", "player_views.js", "player.js", "page.js", "explorer.js", "reading.js")
+STYLES = ("page.css", "explorer.css", "player.css", "over_axis.css")
 MOST_PAIR_ROWS = 200
 CELLS_FROM = 25  # so many flights are better read by cell
 
@@ -39,9 +43,10 @@ def render_page(
     checks: Sequence[CheckResult] = (),
     head: PageHead | None = None,
     files: Sequence[str] = (),
+    risk: Risk | None = None,
 ) -> str:
     """The whole page. ``rows`` as in rows.jsonl, read once; ``series`` by flight id, ``provenance`` whatever should be said of the run,
-    ``files`` what stands beside the page and should be linked.
+    ``files`` what stands beside the page and should be linked, ``risk`` what was found of a campaign that asks for detect and avoid.
 
     With a ``head`` that comes first, and the ordinary parts are folded up below it.
     """
@@ -62,6 +67,7 @@ def render_page(
         "words": "Words" if told or checks else "",
         "checks": "Check" if checks else "",
         "pairs": "Pairs" if matched or unmatched else "",
+        "risk": "Detect and avoid" if risk else "",
         "over-axis": "Axes" if over_axis else "",
         "pictures": "Pictures" if figures["groups"] else "",
         "cells": "Cells" if cells else "",
@@ -91,7 +97,7 @@ def render_page(
             cells_left_out=of.cells_in_all - len(of.cells),
             histograms=histograms(cells),
             paired=PAIRED,
-            glossary=METRICS,
+            glossary=(*METRICS, *(daa_columns(campaign.daa) if risk else ())),
             flights=flights,
             flights_left_out=of.n - len(flights.rows),
             decisions=decisions_table(of, axes) if of.decisions else None,
@@ -103,7 +109,8 @@ def render_page(
             has_pictures=bool(figures["groups"]),
             player=player(moving, series),
             over_axis=over_axis,
-            css=_assets("page.css", "explorer.css", "player.css", "over_axis.css") + (head.css if head else Markup()),
+            risk=risk_part(risk, campaign.daa, [axis for axis in listed_axes if axis in axes]),
+            css=_assets(*STYLES, *(["risk.css"] if risk else [])) + (head.css if head else Markup()),
             script=_assets(*SCRIPTS) + (head.script if head else Markup()) + Markup("Plots.run();"),
             figures=packed_json(figures) if figures["groups"] else "",
             plotly=plotly(),

@@ -135,9 +135,9 @@ def fly_wrongly(job):
     return fly(job)
 
 
-def page(campaign, rows, series, provenance, checks, head, files):
+def page(campaign, rows, series, provenance, checks, head, files, risk=None):
     """A page that shows all it is given."""
-    told = [campaign.name, list(rows), series, provenance, [str(line) for line in checks], head, files]
+    told = [campaign.name, list(rows), series, provenance, [str(line) for line in checks], head, files, repr(risk)]
     return json.dumps(told, sort_keys=True)
 
 

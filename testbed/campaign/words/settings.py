@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from testbed.campaign.words.air import Air
 from testbed.campaign.words.check import Check
+from testbed.campaign.words.daa import Daa, Stop
 from testbed.campaign.words.grid import Grid, Part, Replicates, Stored
 from testbed.campaign.words.limits import Limits
 from testbed.campaign.words.planning import MethodSpec, PlannerSpec, Replan, Sensor
@@ -259,6 +260,10 @@ class Campaign(Grid, FlightSettings):
     """Which flights leave their raw columns, from which reports/verify computes the results again."""
     check: Check | None = None
     """For a campaign that checks the testbed: how it is judged."""
+    daa: Daa | None = None
+    """Metrics of detect and avoid, which are measured where this section is, `daa: {}` at the least."""
+    stop: Stop | None = None
+    """When fewer replicates than `replicates` are enough."""
     plugins: tuple[Annotated[str, Field(min_length=1)], ...] = ()
     """Python files with parts of one's own, relative to this file: [./tangent.py] gives the kinds "tangent:<name>"."""
     parts: dict[Name, Part] = {}  # noqa: RUF012 (pydantic copies it)
