@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Magnitude
+from testbed.core import registry
 from testbed.core.frames import Vec3
 from testbed.core.section import Between, Distance, Duration, NonNegative, Number, Range, Section
 from vosc import Obstacle, Own
@@ -32,9 +33,31 @@ class Sensor(Pluggable):
     role, needs = "a sensor", ("start", "sense")
 
     kind: str = "truth"
-    """truth: position and velocity without error. `file:name` is a sensor of a plug-in."""
+    """truth: position and velocity without error. imperfect: with a field of view, a rate, a delay, noise, gaps and false tracks
+    (docs/sensors.md). `file:name` is a sensor of a plug-in."""
     range_m: Range = 100.0
-    """An obstacle is seen when its centre is this near, m."""
+    """An obstacle is seen when its centre is this near, m; or its surface, with the option `range_to: surface`."""
+
+    @classmethod
+    def _try(cls, part: Any, options: dict[str, Any]) -> None:
+        made = part(**options)
+        cls._has_all(made, type(made))
+
+    def reach_m(self, radius_m: float) -> float | None:
+        """From how far, to the centre, a sphere of that radius is seen; None where the sensor does not say."""
+        reach = getattr(registry.part(self.family, self.kind), "reach_m", None)
+        return float(reach(self.range_m, radius_m, **self.options)) if reach else None
+
+
+class TrackerSpec(Pluggable):
+    """What stands between the sensor and the planner."""
+
+    family = "tracker"
+    role, needs = "a tracker", ("start", "track")
+
+    kind: str = "none"
+    """none: the planner has what the sensor tells. alpha_beta, kalman, imm (interacting multiple models): tracks of it (docs/sensors.md).
+    `file:name` is a tracker of a plug-in."""
 
     @classmethod
     def _try(cls, part: Any, options: dict[str, Any]) -> None:
