@@ -62,11 +62,16 @@ def decided(event: ReplanEvent) -> list[Line]:
         said.append(Line(event.time_s, "WARN", f"{event.obstacle} is a threat: straight on would pass {near}"))
     if event.decision == Decision.REPLANNED:
         fault = path_told(event)
-        said.append(Line(event.time_s, "WARN" if fault else "INFO", _replanned(event) + fault))
+        again = f" ({event.reason})" if event.reason else ""
+        said.append(Line(event.time_s, "WARN" if fault else "INFO", _replanned(event) + fault + again))
     elif event.decision == Decision.STEERED:
         said.append(Line(event.time_s, "INFO", f"{words.method(event.method)} steers until clear of {event.obstacle}"))
     elif event.decision == Decision.PLANNED:
         said.append(Line(event.time_s, "INFO", f"{event.method}: another path of {number(event.planned_length_m, 0)} m"))
+    elif event.decision == Decision.HELD:
+        said.append(Line(event.time_s, "INFO", f"Straight on, until the way back is clear ({event.reason})"))
+    elif event.decision == Decision.KEPT:
+        said.append(Line(event.time_s, "WARN", f"Path kept: nothing better was found, or needed ({event.reason})"))
     elif event.decision == Decision.REJOINED:
         back = f"{number(event.planned_length_m, 0)} m, {number(event.route_miss_m, 0)} m from the centre at least"
         said.append(Line(event.time_s, "INFO", f"Clear of {event.obstacle}: on the way back, {back}"))

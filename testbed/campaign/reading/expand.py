@@ -69,7 +69,7 @@ def sizes(campaign: Campaign) -> dict[str, tuple[int, int]]:
     return {block.part: ((cells := block.left()), cells * (parts[block.part].replicates or 1)) for block in blocks}
 
 
-SAID_LATER = ("insertion_side", "arrival_root", "path", "search")
+SAID_LATER = ("insertion_side", "arrival_root", "path", "search", "again")
 """Settings of ``replan`` that there were not always: a flight that keeps their defaults has the id that it had without them."""
 
 

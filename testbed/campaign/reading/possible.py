@@ -32,7 +32,14 @@ def impossible(plan: FlightPlan) -> list[Fault]:
     curve = _curve(plan.route)
     if isinstance(curve, str):
         return [Fault(("route",), curve)]
-    return [*_unseen(plan), *_unfit_sensor(plan), *_begins(plan, curve), *_too_slow(plan, curve), *_behind(plan, curve)]
+    return [
+        *_unseen(plan),
+        *_unfit_sensor(plan),
+        *_decides_itself(plan),
+        *_begins(plan, curve),
+        *_too_slow(plan, curve),
+        *_behind(plan, curve),
+    ]
 
 
 @lru_cache(maxsize=512)
@@ -72,6 +79,14 @@ def _unfit_sensor(plan: FlightPlan) -> Iterator[Fault]:
     amiss = getattr(registry.part("sensor", plan.sensor.kind), "amiss", None)
     for option, why in amiss(plan.sensor.options, plan.rates.planner_hz, plan.tracker.kind != "none") if amiss else ():
         yield Fault(("sensor", "options", option), why)
+
+
+def _decides_itself(plan: FlightPlan) -> Iterator[Fault]:
+    """Who decides anew all the time is not to be asked when."""
+    if plan.replan.policy != "once" and plan.planner.kind == "survivor":
+        yield Fault(
+            ("replan", "policy"), f"{plan.replan.policy} is of planner.kind: replan; survivor decides anew by its own option every_s"
+        )
 
 
 def _begins(plan: FlightPlan, curve: ph.Curve | None) -> Iterator[Fault]:

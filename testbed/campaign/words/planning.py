@@ -132,11 +132,27 @@ class FlyableSearch(Section):
     """Steepest climb and descent of the path, deg."""
 
 
+class Again(Section):
+    """When a threat that was answered is answered again."""
+
+    every_s: Duration = 1.0
+    """With `policy: every_s`: so often, s."""
+    hold_s: Annotated[NonNegative, Field(le=3600)] = 0.5
+    """No decision is changed, and no way back taken, for so long, s. A new threat is answered at once."""
+    grows_m: Distance = 2.0
+    """With `policy: on_change`: by how much the clearance that is foretold has to fall, m."""
+    turns_deg: Annotated[Number, Field(gt=0, le=180)] = 10.0
+    """With `policy: on_change`: an obstacle has turned when it flies so far elsewhere than at the last decision, deg."""
+
+
 class Replan(Section):
     """How a threat becomes a new path (sections 4.3, 5 of the paper)."""
 
-    policy: Literal["once"] = "once"
-    """once: one re-plan per new threat."""
+    policy: Literal["once", "every_s", "on_change"] = "once"
+    """once: one re-plan per new threat (the paper). every_s: at even intervals, until the threat is none. on_change: when the path ahead
+    is no longer clear, the conflict grows again or the obstacle turns; `again` says by how much."""
+    again: Again = Again()
+    """When a threat is answered again."""
     answer: Literal["insertion_point", "direct"] = "insertion_point"
     """insertion_point: a path through the insertion point, with the avoidance direction there (the paper). direct: the avoidance
     direction at once; a kinematic plant's velocity then jumps to it."""
