@@ -99,7 +99,7 @@ def _sphere(record: FlightRecord, spec: ObstacleSpec) -> list[Line]:
     columns, name = record.columns, spec.name
     time_s, clearance = columns["time_s"], columns[f"obstacle.{name}.clearance_m"]
     lines = []
-    seen = np.flatnonzero(clearance + spec.radius_m <= record.plan.sensor.range_m)
+    seen = np.flatnonzero(clearance + spec.radius_m <= record.plan.sensor.shown_reach_m(spec.radius_m))
     if len(seen):
         row = int(seen[0])
         lines.append(Line(float(time_s[row]), "INFO", f"{name} in sight: {traffic(columns, name, row)}"))

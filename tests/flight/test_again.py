@@ -20,7 +20,7 @@ from testbed.flight.plants.base import State
 from testbed.flight.record import FlightRecord, reversals
 from testbed.flight.sensing import Seen
 from testbed.show.pilot_log import decided
-from tests.plans import KINEMATIC, paper_obstacle, plan
+from tests.plans import KINEMATIC, plan
 from vosc import ph
 
 TURNS = """name: x

@@ -48,6 +48,11 @@ class Sensor(Pluggable):
         reach = getattr(registry.part(self.family, self.kind), "reach_m", None)
         return float(reach(self.range_m, radius_m, **self.options)) if reach else None
 
+    def shown_reach_m(self, radius_m: float) -> float:
+        """The same for pictures and words: to the centre within the range, where the sensor does not say."""
+        reach_m = self.reach_m(radius_m)
+        return self.range_m if reach_m is None else reach_m
+
 
 class TrackerSpec(Pluggable):
     """What stands between the sensor and the planner."""

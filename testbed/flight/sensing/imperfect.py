@@ -11,13 +11,13 @@ them away.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
-from testbed.core.frames import Vec3, enu_from_body, vec3
+from testbed.core.frames import Vec3, enu_from_body
 from testbed.core.section import NonNegative, Number, Positive, Radius, Section, TrafficSpeed
 from testbed.core.units import DEG
 from testbed.flight.plants.base import State
@@ -25,7 +25,7 @@ from testbed.flight.sensing.base import NOTHING, Seen, SensorContext
 from testbed.flight.sensing.phantoms import DRAWN, Phantom, phantom
 from testbed.flight.sensing.truth import RangeTo, Truth
 from testbed.flight.traffic.track import Array, Covariance, Traffic
-from vosc.vec import norm, sub
+from vosc.vec import add, along, combine, cross, norm, sub, unit
 
 EARLY = 1e-6  # of a measurement, in its own intervals: rounding must not put it off
 ON_TIME_S = 1e-9
@@ -139,18 +139,19 @@ class Imperfect:
         """The memory with one measurement more on its way."""
         options, random, tracks = self._with, memory.context.random, traffic.tracks
         errors, common, even = random.normal(size=(len(tracks), 8)), random.normal(size=9), random.random(len(tracks) + DRAWN)
-        memory = memory._replace(own_error=self._own_error(memory, common))
+        own_error = self._own_error(memory, common)
+        memory = memory._replace(own_error=own_error)
         lost_until, here, body = dict(memory.lost_until_s), own[:3], enu_from_body(own.bank, own.pitch, own.heading)
         lost_share = -math.expm1(-options.dropouts_per_s / memory.hz)
         found: list[Seen] = []
-        for track, error, chance in zip(tracks, errors, even.tolist(), strict=False):
+        for track, error, chance in zip(tracks, errors.tolist(), even.tolist(), strict=False):
             if chance < lost_share:
                 lost_until[track.name] = max(lost_until.get(track.name, 0.0), time_s + options.dropout_lasts_s)
             moving = track.at(time_s)
             if moving is None or chance < lost_share or time_s < lost_until.get(track.name, 0.0):
                 continue
             if self._in_sight(sub(moving[0], here), track.radius_m, body, memory.context.range_m):
-                found.append(self._told(Seen(track.name, track.radius_m, *moving, time_s), here, error, memory.own_error))
+                found.append(self._told(Seen(track.name, track.radius_m, *moving, time_s), here, error, own_error))
         memory = self._haunted(memory, time_s, here, body, even[len(tracks) :])
         for one in memory.phantoms:
             seen = one.at(time_s)
@@ -186,18 +187,19 @@ class Imperfect:
         azimuth, elevation = math.atan2(right, ahead), math.atan2(-down, math.hypot(ahead, right))
         return abs(azimuth) <= self._half_fields[0] and abs(elevation) <= self._half_fields[1]
 
-    def _told(self, true: Seen, here: Vec3, error: Array, own_error: Array | None) -> Seen:
+    def _told(self, true: Seen, here: Vec3, error: Sequence[float], own_error: Array) -> Seen:
         """An obstacle as it is measured."""
-        assert own_error is not None
-        options, common = self._with, self._own_sizes * own_error
-        way = np.subtract(true.pos, here)
+        options, way = self._with, sub(true.pos, here)
+        px, py, pz, vx, vy, vz, tx, ty, tz = (self._own_sizes * own_error).tolist()
         side, above = _across(way)
-        bent = options.bearing_noise_deg * DEG * float(np.linalg.norm(way)) * (error[6] * side + error[7] * above)
-        way = way + bent + np.cross(common[6:], way) + options.position_noise_m * error[:3] + common[:3]
-        velocity = np.asarray(true.vel) + self._velocity_mps * error[3:6] + common[3:6]
+        bent = options.bearing_noise_deg * DEG * norm(way)
+        turned = add(way, cross((tx, ty, tz), way))
+        way = add(turned, combine(bent * error[6], side, bent * error[7], above))
+        way = add(along(way, options.position_noise_m, (error[0], error[1], error[2])), (px, py, pz))
+        velocity = add(along(true.vel, self._velocity_mps, (error[3], error[4], error[5])), (vx, vy, vz))
         if options.velocity_noise_mps == "unmeasured":
-            velocity = np.zeros(3)
-        return true._replace(pos=vec3(way + here), vel=vec3(velocity), covariance=self._covariance(vec3(way)))
+            velocity = (0.0, 0.0, 0.0)
+        return true._replace(pos=add(here, way), vel=velocity, covariance=self._covariance(way))
 
     def _covariance(self, way: Vec3) -> Covariance:
         """Of a measurement in that direction, at that distance: along and across it the position's differ."""
@@ -207,11 +209,11 @@ class Imperfect:
         return (*rows, *((0.0, 0.0, 0.0, *(velocity if i == j else 0.0 for j in range(3))) for i in range(3)))
 
 
-def _across(way: Array) -> tuple[Array, Array]:
-    """Unit vectors (3,) across a direction: to the left and level, and above; for straight up or none, of the direction east."""
-    flat = math.hypot(way[0], way[1])
-    length = float(np.linalg.norm(way))
-    if flat <= 1e-9 * length:
-        return np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
-    side = np.array([-way[1], way[0], 0.0]) / flat
-    return side, np.cross(way / length, side)
+def _across(way: Vec3) -> tuple[Vec3, Vec3]:
+    """Unit vectors across a direction: to the left and level, and above; for straight up or none, of the direction east."""
+    x, y, _ = way
+    flat = math.hypot(x, y)
+    if flat <= 1e-9 * norm(way):
+        return (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+    side = (-y / flat, x / flat, 0.0)
+    return side, cross(unit(way), side)
