@@ -9,7 +9,7 @@ from testbed.campaign.words.settings import ObstacleSpec
 from testbed.core.frames import direction_deg
 from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED
 from testbed.flight.plants.aircraft import load_aircraft
-from testbed.flight.record import NEW_PATH, Decision, FlightRecord, Outcome, ReplanEvent, inside
+from testbed.flight.record import NEW_PATH, Decision, FlightRecord, Outcome, ReplanEvent, inside, reversals
 from testbed.results.columns import FlightMetrics
 from testbed.show import words
 from testbed.show.flight_summary import changes, leg_names, path_told, who
@@ -35,6 +35,8 @@ def pilot_log(record: FlightRecord, metrics: FlightMetrics) -> list[Line]:
         lines += _sphere(record, spec)
     for event in record.events:
         lines += decided(event)
+    if record.plan.replan.policy != "once":
+        lines += [Line(time, "WARN", "Reversal: to the other side than before") for time in reversals(record.events)]
     lines += _limits(record)
     legs = leg_names(record)
     lines += [
