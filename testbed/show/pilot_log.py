@@ -58,7 +58,7 @@ LEG_NAMES = {"route": "on the route", "avoid": "clear of the threat yet to come"
 
 def decided(event: ReplanEvent) -> list[Line]:
     """What the planner saw, and what it made of it."""
-    said, threat = [], event.decision not in (Decision.REJOINED, Decision.CLEAR)
+    said, threat = [], event.decision not in (Decision.REJOINED, Decision.CLEAR, Decision.HELD, Decision.KEPT)
     if threat and event.obstacle and math.isfinite(event.miss_m):
         near = f"{number(event.miss_m, 1)} m from its centre (radius {number(event.radius_m, 0)} m) in {number(event.time_to_cpa_s, 1)} s"
         said.append(Line(event.time_s, "WARN", f"{event.obstacle} is a threat: straight on would pass {near}"))
