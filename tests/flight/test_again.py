@@ -18,6 +18,7 @@ from testbed.core.chain import Chain
 from testbed.flight.planning.again import Again, Foretold, Past
 from testbed.flight.plants.base import State
 from testbed.flight.record import FlightRecord, reversals
+from testbed.flight.scene import make_scene
 from testbed.flight.sensing import Seen
 from testbed.show.pilot_log import decided
 from tests.plans import KINEMATIC, plan
@@ -85,6 +86,7 @@ COMES_ROUND = {
 }
 
 
+@pytest.mark.slow
 def test_a_second_conflict_on_the_way_back_along_a_route_of_many_pieces() -> None:
     """Half a lap later the racetrack leads through the sphere that was passed: once flies into it."""
     given = {"route": RACETRACK, "obstacles": [COMES_ROUND], "sensor": {"range_m": 200}, **KINEMATIC}
@@ -105,6 +107,33 @@ def test_a_second_conflict_on_the_way_back_along_a_route_of_many_pieces() -> Non
 
 STRAIGHT = {"start_enu_m": [0, 0, 0], "goal_enu_m": [900, 0, 0], "start_direction_deg": [0, 0], "goal_direction_deg": [0, 0]}
 HEAD_ON = {"name": "O", "radius_m": 25, "position_enu_m": [600, 4, 0], "speed_mps": 20, "direction_deg": [180, 0]}
+SHAPES = {
+    "swerve": {"kind": "swerve", "heading_deg": 15, "swing_m": 300, "swings": 5},
+    "random": {"kind": "random", "least_radius_m": [150, 250], "climb_at_most_deg": 10},
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_on_a_route_of_any_shape_a_path_that_leads_through_is_not_flown_to_its_end(shape: str) -> None:
+    """The S-turn to the insertion point leads through the sphere, which the planner knows; the flight ends on its route all the same."""
+    route = {"start_enu_m": [0, 0, 0], "start_direction_deg": [0, 0], "shape": SHAPES[shape]}
+    given = {"route": route, "terrain_z_m": -2000, "sensor": {"range_m": 200}, **KINEMATIC}
+    way = make_scene(plan(**given)).route
+    place, tangent, _ = way.frame(500.0)
+    course = math.degrees(math.atan2(tangent[1], tangent[0])) + 150.0
+    meets = COMES_ROUND | {"position_enu_m": [place[0], place[1], place[2] + 3.0], "direction_deg": [course, 0]}
+    once, again = (
+        fly(plan(obstacles=[meets], replan={"policy": policy, "swell_m": 5, "rejoin": {"to": "route", "when": "clear"}}, **given))
+        for policy in ("once", "on_change")
+    )
+    assert once.events[0].status == "leads_through_the_sphere"
+    assert measure(once).least_clearance_m < -1.0
+    assert measure(again).least_clearance_m > 1.0
+    assert again.outcome.value == "reached"
+    assert again.events[1].reason.startswith("O: the path ahead never was clear")
+    assert math.dist(again.columns["own.pos_enu_m"][-1], way.frame(way.length_m)[0]) < 1.0
+
+
 LINE = Chain([ph.hermite((0, 0, 0), (600, 0, 0), (600, 0, 0), (600, 0, 0))])
 ALONG = State(0.0, 0.0, 0.0, 50.0, *[0.0] * 16)
 

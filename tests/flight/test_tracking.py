@@ -55,6 +55,7 @@ class Wanders(Sampled):
         return tuple(self._p[k].tolist()), tuple(self._v[k].tolist())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("noise", "acceleration_mps2"),
     [
