@@ -12,8 +12,8 @@ GATE_M = 20.0  # a flight that crosses the goal's plane this near to it has reac
 ON_PLANE_M = 1e-9
 HIGHEST_M = 1e5  # a state above this has diverged
 REACH_M = 50.0  # no wing is longer
-AVOIDING = ("replanned", "steered", "planned")  # decisions by which a flight leaves the path that it is on
-NO_LOSS = (*AVOIDING, "rejoined", "none", "clear")  # decisions that leave a flight with a path
+AVOIDING = ("replanned", "steered", "planned", "held")  # decisions by which a flight leaves the path that it is on
+NO_LOSS = (*AVOIDING, "rejoined", "kept", "none", "clear")  # decisions that leave a flight with a path
 
 
 @dataclass(frozen=True)

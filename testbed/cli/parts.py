@@ -23,8 +23,8 @@ def schema() -> None:
 @app.command("list", epilog=examples("testbed list", "testbed list methods", "testbed list aircraft"))
 def list_parts(
     what: Annotated[
-        Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "traffic", "studies"] | None,
-        typer.Argument(help="aircraft, methods, planners, guidance, plants, sensors, traffic or studies; default all of them."),
+        Literal["aircraft", "methods", "planners", "guidance", "plants", "sensors", "trackers", "traffic", "studies"] | None,
+        typer.Argument(help="aircraft, methods, planners, guidance, plants, sensors, trackers, traffic or studies; default all of them."),
     ] = None,
 ) -> None:
     """What a campaign can name: one name a line, or everything."""

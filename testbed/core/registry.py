@@ -1,7 +1,7 @@
 """What a campaign can plug in, by name: built in, installed with another package, or in a file of the user's own.
 
-A *family* is a plug point: methods, planners, guidance, plants, sensors, traffic, studies. What it has built in stands in one table
-beside the parts (``vosc.methods.METHODS``, ``testbed.flight.plants.PLANTS``, ...), each line a name and the part or its
+A *family* is a plug point: methods, planners, guidance, plants, sensors, trackers, traffic, studies. What it has built in stands in one
+table beside the parts (``vosc.methods.METHODS``, ``testbed.flight.plants.PLANTS``, ...), each line a name and the part or its
 ``"module:attribute"``, which is imported on first use. An installed distribution adds names by an entry point of the group
 ``testbed.<plural>``. A campaign adds files by ``plugins: [./tangent.py]`` and names what is in them ``"tangent:avoid"``.
 
@@ -58,6 +58,7 @@ FAMILIES: dict[str, Family] = {
         Family("guidance", "guidance", ("testbed.flight.guidance:GUIDANCE",), given=1),  # its setting: aircraft, speed, step
         Family("plant", "plants", ("testbed.flight.plants:PLANTS",), given=1),  # its setting: aircraft, start, scene, rates
         Family("sensor", "sensors", ("testbed.flight.sensing:SENSORS",), given=0),
+        Family("tracker", "trackers", ("testbed.flight.tracking:TRACKERS",), given=0),
         Family("traffic", "traffic", ("testbed.flight.traffic:TRACKS",), given=1),  # the obstacle's setting
         Family("study", "studies", ("testbed.studies:STUDIES",), given=0),
         Family("command", "commands", ("testbed.studies:COMMANDS",), given=0),  # of `testbed`; what it returns are lines to print

@@ -1,6 +1,6 @@
 """One flight: the loop, written like the block diagram.
 
-    traffic -> sensor -> planner -> path -> guidance -> plant -> log
+    traffic -> sensor -> tracker -> planner -> path -> guidance -> plant -> log
 
 ``fly`` is pure seen from outside: same plan, same record, in any order, process or worker count. The loop never asks which
 plant, planner or sensor it has. Time is an integer tick.
@@ -28,6 +28,8 @@ from testbed.flight.scene import Scene, make_scene
 from testbed.flight.sensing import SENSORS
 from testbed.flight.sensing.base import NOTHING, Sensor, SensorContext
 from testbed.flight.sensing.own import OwnSensor
+from testbed.flight.tracking import TRACKERS
+from testbed.flight.tracking.base import Tracked
 from testbed.flight.variation import varied
 
 GOAL_GATE_M = 20.0  # reached = crossing the goal's plane within this distance
@@ -122,9 +124,13 @@ def _loop(
 
 
 def make_sensor(plan: FlightPlan) -> Sensor:
-    """The sensor that the plan asks for; one that is not built in is checked at every look."""
+    """The sensor that the plan asks for, with its tracker behind it; what is not built in is checked at every look."""
     sensor: Sensor = registry.part("sensor", plan.sensor.kind, plan.plugins)(**plan.sensor.options)
-    return sensor if plan.sensor.kind in SENSORS else OwnSensor(plan.sensor.kind, sensor)
+    sensor = sensor if plan.sensor.kind in SENSORS else OwnSensor(plan.sensor.kind, sensor)
+    kind = plan.tracker.kind
+    if kind == "none":
+        return sensor
+    return Tracked(sensor, kind, registry.part("tracker", kind, plan.plugins)(**plan.tracker.options), kind in TRACKERS)
 
 
 def sensor_context(plan: FlightPlan) -> SensorContext:

@@ -95,7 +95,8 @@ def instants(record: FlightRecord, clearance: Array) -> Instants:
     hz, n = record.plan.rates.plant_hz, len(clearance)
     nearest = int(np.nanargmin(clearance))
     spec = min(record.plan.obstacles, key=lambda one: _last(record.columns[f"obstacle.{one.name}.clearance_m"][nearest]))
-    seen = np.flatnonzero(record.columns[f"obstacle.{spec.name}.clearance_m"] + spec.radius_m <= record.plan.sensor.range_m)
+    reach_m = record.plan.sensor.shown_reach_m(spec.radius_m)
+    seen = np.flatnonzero(record.columns[f"obstacle.{spec.name}.clearance_m"] + spec.radius_m <= reach_m)
     detected = int(seen[0]) if len(seen) else None
     about = [event for event in record.events if event.obstacle == spec.name] or list(record.events)
     if about:

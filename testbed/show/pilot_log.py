@@ -9,7 +9,7 @@ from testbed.campaign.words.settings import ObstacleSpec
 from testbed.core.frames import direction_deg
 from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED
 from testbed.flight.plants.aircraft import load_aircraft
-from testbed.flight.record import NEW_PATH, Decision, FlightRecord, Outcome, ReplanEvent, inside
+from testbed.flight.record import NEW_PATH, Decision, FlightRecord, Outcome, ReplanEvent, inside, reversals
 from testbed.results.columns import FlightMetrics
 from testbed.show import words
 from testbed.show.flight_summary import changes, leg_names, path_told, who
@@ -35,6 +35,8 @@ def pilot_log(record: FlightRecord, metrics: FlightMetrics) -> list[Line]:
         lines += _sphere(record, spec)
     for event in record.events:
         lines += decided(event)
+    if record.plan.replan.policy != "once":
+        lines += [Line(time, "WARN", "Reversal: to the other side than before") for time in reversals(record.events)]
     lines += _limits(record)
     legs = leg_names(record)
     lines += [
@@ -56,17 +58,22 @@ LEG_NAMES = {"route": "on the route", "avoid": "clear of the threat yet to come"
 
 def decided(event: ReplanEvent) -> list[Line]:
     """What the planner saw, and what it made of it."""
-    said, threat = [], event.decision not in (Decision.REJOINED, Decision.CLEAR)
+    said, threat = [], event.decision not in (Decision.REJOINED, Decision.CLEAR, Decision.HELD, Decision.KEPT)
     if threat and event.obstacle and math.isfinite(event.miss_m):
         near = f"{number(event.miss_m, 1)} m from its centre (radius {number(event.radius_m, 0)} m) in {number(event.time_to_cpa_s, 1)} s"
         said.append(Line(event.time_s, "WARN", f"{event.obstacle} is a threat: straight on would pass {near}"))
     if event.decision == Decision.REPLANNED:
         fault = path_told(event)
-        said.append(Line(event.time_s, "WARN" if fault else "INFO", _replanned(event) + fault))
+        again = f" ({event.reason})" if event.reason else ""
+        said.append(Line(event.time_s, "WARN" if fault else "INFO", _replanned(event) + fault + again))
     elif event.decision == Decision.STEERED:
         said.append(Line(event.time_s, "INFO", f"{words.method(event.method)} steers until clear of {event.obstacle}"))
     elif event.decision == Decision.PLANNED:
         said.append(Line(event.time_s, "INFO", f"{event.method}: another path of {number(event.planned_length_m, 0)} m"))
+    elif event.decision == Decision.HELD:
+        said.append(Line(event.time_s, "INFO", f"Straight on, until the way back is clear ({event.reason})"))
+    elif event.decision == Decision.KEPT:
+        said.append(Line(event.time_s, "WARN", f"Path kept: nothing better was found, or needed ({event.reason})"))
     elif event.decision == Decision.REJOINED:
         back = f"{number(event.planned_length_m, 0)} m, {number(event.route_miss_m, 0)} m from the centre at least"
         said.append(Line(event.time_s, "INFO", f"Clear of {event.obstacle}: on the way back, {back}"))
@@ -94,7 +101,7 @@ def _sphere(record: FlightRecord, spec: ObstacleSpec) -> list[Line]:
     columns, name = record.columns, spec.name
     time_s, clearance = columns["time_s"], columns[f"obstacle.{name}.clearance_m"]
     lines = []
-    seen = np.flatnonzero(clearance + spec.radius_m <= record.plan.sensor.range_m)
+    seen = np.flatnonzero(clearance + spec.radius_m <= record.plan.sensor.shown_reach_m(spec.radius_m))
     if len(seen):
         row = int(seen[0])
         lines.append(Line(float(time_s[row]), "INFO", f"{name} in sight: {traffic(columns, name, row)}"))

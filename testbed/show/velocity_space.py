@@ -67,7 +67,7 @@ def look(record: FlightRecord, rows: Array) -> list[Sight]:
         axis = pos - own_pos
         distance = np.linalg.norm(axis, axis=1)
         hit, radius = inside(distance - spec.radius_m), spec.radius_m + plan.replan.swell_m  # the planner's
-        in_range = (distance <= plan.sensor.range_m) & ~hit
+        in_range = (distance <= plan.sensor.shown_reach_m(spec.radius_m)) & ~hit
         half_angle = np.arcsin(np.clip(radius / np.maximum(distance, 1e-9), 0.0, 1.0))
         is_threat, alpha = np.zeros(len(rows), bool), np.full(len(rows), math.nan)
         caps: list[Cap | None] = [None] * len(rows)

@@ -58,6 +58,9 @@ AXIS_NAMES: Final = {
     "air.wind.from_deg": "wind from {} deg",
     "air.turbulence.severity": "{} turbulence",
     "sensor.range_m": "seen from {} m on",
+    "sensor.kind": "{} sensor",
+    "tracker.kind": "tracker {}",
+    "replan.policy": "policy {}",
     "lead_s": "lead {} s",
     "swell_m": "margin {} m",
 }
@@ -75,6 +78,9 @@ AXIS_HEADINGS: Final = {
     "air.wind.from_deg": "wind from, deg",
     "air.turbulence.severity": "turbulence",
     "sensor.range_m": "seen from, m",
+    "sensor.kind": "sensor",
+    "tracker.kind": "tracker",
+    "replan.policy": "policy",
 }
 UNITS: Final = {"mps": "m/s", "mps2": "m/s\N{SUPERSCRIPT TWO}", "deg": "deg", "dps": "deg/s", "m": "m", "s": "s", "hz": "Hz", "kg": "kg"}
 """Ends of the names of settings, and the units that they stand for."""

@@ -61,7 +61,7 @@ def test_an_override_can_repair_a_file(write: Write, good: str) -> None:
         ("seed=-1", "--set seed=-1: must be at least 0, not -1"),
         (
             "replan={kay: 1}",
-            "--set replan={kay: 1}: replan.kay: unknown key 'kay' (known here: policy, answer, rejoin, k, time_rule, insertion_side,"
+            "--set replan={kay: 1}: replan.kay: unknown key 'kay' (known here: policy, again, answer, rejoin, k, time_rule, insertion_side,"
             " arrival_root, path, search, swell_m, horizon_s, magnitude_chords, vo_frame, wind_known, wind_estimate_sigma_mps)",
         ),
         ("obstacles.P.speed_mps=30", "--set obstacles.P.speed_mps=30: there is no obstacle 'P' (there are: O)"),

@@ -15,7 +15,7 @@ from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
 from testbed.campaign.words.grid import PART, Part
 from testbed.campaign.words.limits import Limits
-from testbed.campaign.words.planning import PlannerSpec, Replan
+from testbed.campaign.words.planning import PlannerSpec, Replan, TrackerSpec
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.population import NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings, Vary
@@ -69,7 +69,7 @@ def sizes(campaign: Campaign) -> dict[str, tuple[int, int]]:
     return {block.part: ((cells := block.left()), cells * (parts[block.part].replicates or 1)) for block in blocks}
 
 
-SAID_LATER = ("insertion_side", "arrival_root", "path", "search")
+SAID_LATER = ("insertion_side", "arrival_root", "path", "search", "again")
 """Settings of ``replan`` that there were not always: a flight that keeps their defaults has the id that it had without them."""
 
 
@@ -110,8 +110,9 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
     unsaid["limits"] = True if plan.limits.of_a_flight() == Limits().of_a_flight() else {"wall_limit_s", "flights"}
     if not plan.study.part.flies:
         unsaid["study"] = True
-    if plan.planner == PlannerSpec():
-        unsaid["planner"] = True
+    for name, default in (("planner", PlannerSpec()), ("tracker", TrackerSpec())):
+        if getattr(plan, name) == default:
+            unsaid[name] = True
     if plain := {k: {"kind", "options"} for k, spec in enumerate(plan.obstacles) if spec.kind == "straight" and not spec.options}:
         unsaid["obstacles"] = plain
     if as_before := {name for name in SAID_LATER if getattr(plan.replan, name) == Replan.model_fields[name].default}:

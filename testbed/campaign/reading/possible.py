@@ -16,6 +16,7 @@ from testbed.campaign.words.air import SteadyWind
 from testbed.campaign.words.limits import longest_flight
 from testbed.campaign.words.route import LONGEST_ROUTE_M, Random, Route
 from testbed.campaign.words.settings import FlightPlan
+from testbed.core import registry
 from testbed.core.catalogue import aircraft_folders
 from testbed.core.frames import ground_speed_along, unit_from_direction, wind_enu_from_compass
 from testbed.core.units import DEG, G0_MPS2
@@ -31,7 +32,14 @@ def impossible(plan: FlightPlan) -> list[Fault]:
     curve = _curve(plan.route)
     if isinstance(curve, str):
         return [Fault(("route",), curve)]
-    return [*_unseen(plan), *_begins(plan, curve), *_too_slow(plan, curve), *_behind(plan, curve)]
+    return [
+        *_unseen(plan),
+        *_unfit_sensor(plan),
+        *_decides_itself(plan),
+        *_begins(plan, curve),
+        *_too_slow(plan, curve),
+        *_behind(plan, curve),
+    ]
 
 
 @lru_cache(maxsize=512)
@@ -53,16 +61,32 @@ def _curve(route: Route) -> ph.Curve | str | None:
 
 def unseen(plan: FlightPlan, radius_m: float) -> str:
     """Why the planner can never see a sphere before it is entered; empty if it can."""
-    looks = plan.method.kind != "none" and plan.planner.kind == "replan" and plan.sensor.kind == "truth"
-    if not looks or radius_m < plan.sensor.range_m:
+    reach_m = plan.sensor.reach_m(radius_m) if plan.avoids_by != "none" else None
+    if reach_m is None or radius_m < reach_m:
         return ""
-    return f"can never be seen before it is entered: radius_m {radius_m:g}, sensor.range_m {plan.sensor.range_m:g}, which is to the centre"
+    range_m = f"sensor.range_m {plan.sensor.range_m:g}, which is to the centre"
+    return f"can never be seen before it is entered: radius_m {radius_m:g}, {range_m}"
 
 
 def _unseen(plan: FlightPlan) -> Iterator[Fault]:
     for i, obstacle in enumerate(plan.obstacles):
         if why := unseen(plan, obstacle.radius_m):
             yield Fault(("obstacles", i, "radius_m"), f"'{obstacle.name}' {why}")
+
+
+def _unfit_sensor(plan: FlightPlan) -> Iterator[Fault]:
+    """Options of the sensor that do not go with the rates, or without a tracker."""
+    amiss = getattr(registry.part("sensor", plan.sensor.kind), "amiss", None)
+    for option, why in amiss(plan.sensor.options, plan.rates.planner_hz, plan.tracker.kind != "none") if amiss else ():
+        yield Fault(("sensor", "options", option), why)
+
+
+def _decides_itself(plan: FlightPlan) -> Iterator[Fault]:
+    """Who decides anew all the time is not to be asked when."""
+    if plan.replan.policy != "once" and plan.planner.kind == "survivor":
+        yield Fault(
+            ("replan", "policy"), f"{plan.replan.policy} is of planner.kind: replan; survivor decides anew by its own option every_s"
+        )
 
 
 def _begins(plan: FlightPlan, curve: ph.Curve | None) -> Iterator[Fault]:

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Magnitude
+from testbed.core import registry
 from testbed.core.frames import Vec3
 from testbed.core.section import Between, Distance, Duration, NonNegative, Number, Range, Section
 from vosc import Obstacle, Own
@@ -32,9 +33,36 @@ class Sensor(Pluggable):
     role, needs = "a sensor", ("start", "sense")
 
     kind: str = "truth"
-    """truth: position and velocity without error. `file:name` is a sensor of a plug-in."""
+    """truth: position and velocity without error. imperfect: with a field of view, a rate, a delay, noise, gaps and false tracks
+    (docs/sensors.md). `file:name` is a sensor of a plug-in."""
     range_m: Range = 100.0
-    """An obstacle is seen when its centre is this near, m."""
+    """An obstacle is seen when its centre is this near, m; or its surface, with the option `range_to: surface`."""
+
+    @classmethod
+    def _try(cls, part: Any, options: dict[str, Any]) -> None:
+        made = part(**options)
+        cls._has_all(made, type(made))
+
+    def reach_m(self, radius_m: float) -> float | None:
+        """From how far, to the centre, a sphere of that radius is seen; None where the sensor does not say."""
+        reach = getattr(registry.part(self.family, self.kind), "reach_m", None)
+        return float(reach(self.range_m, radius_m, **self.options)) if reach else None
+
+    def shown_reach_m(self, radius_m: float) -> float:
+        """The same for pictures and words: to the centre within the range, where the sensor does not say."""
+        reach_m = self.reach_m(radius_m)
+        return self.range_m if reach_m is None else reach_m
+
+
+class TrackerSpec(Pluggable):
+    """What stands between the sensor and the planner."""
+
+    family = "tracker"
+    role, needs = "a tracker", ("start", "track")
+
+    kind: str = "none"
+    """none: the planner has what the sensor tells. alpha_beta, kalman, imm (interacting multiple models): tracks of it (docs/sensors.md).
+    `file:name` is a tracker of a plug-in."""
 
     @classmethod
     def _try(cls, part: Any, options: dict[str, Any]) -> None:
@@ -110,11 +138,27 @@ class FlyableSearch(Section):
     """Steepest climb and descent of the path, deg."""
 
 
+class Again(Section):
+    """When a threat that was answered is answered again."""
+
+    every_s: Duration = 1.0
+    """With `policy: every_s`: so often, s."""
+    hold_s: Annotated[NonNegative, Field(le=3600)] = 0.5
+    """No decision is changed, and no way back taken, for so long, s. A new threat is answered at once."""
+    grows_m: Distance = 2.0
+    """With `policy: on_change`: by how much the clearance that is foretold has to fall, m."""
+    turns_deg: Annotated[Number, Field(gt=0, le=180)] = 10.0
+    """With `policy: on_change`: an obstacle has turned when it flies so far elsewhere than at the last decision, deg."""
+
+
 class Replan(Section):
     """How a threat becomes a new path (sections 4.3, 5 of the paper)."""
 
-    policy: Literal["once"] = "once"
-    """once: one re-plan per new threat."""
+    policy: Literal["once", "every_s", "on_change"] = "once"
+    """once: one re-plan per new threat (the paper). every_s: at even intervals, until the threat is none. on_change: when the path ahead
+    is no longer clear, the conflict grows again or the obstacle turns; `again` says by how much."""
+    again: Again = Again()
+    """When a threat is answered again."""
     answer: Literal["insertion_point", "direct"] = "insertion_point"
     """insertion_point: a path through the insertion point, with the avoidance direction there (the paper). direct: the avoidance
     direction at once; a kinematic plant's velocity then jumps to it."""

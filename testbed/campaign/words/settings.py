@@ -15,7 +15,7 @@ from testbed.campaign.words.check import Check
 from testbed.campaign.words.daa import Daa, Stop
 from testbed.campaign.words.grid import Grid, Part, Replicates, Stored
 from testbed.campaign.words.limits import Limits
-from testbed.campaign.words.planning import MethodSpec, PlannerSpec, Replan, Sensor
+from testbed.campaign.words.planning import MethodSpec, PlannerSpec, Replan, Sensor, TrackerSpec
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Route
 from testbed.campaign.words.study import StudySpec
@@ -208,6 +208,8 @@ class FlightSettings(Section):
     """How obstacles take part in the wind."""
     sensor: Sensor = Sensor()
     """What the planner sees."""
+    tracker: TrackerSpec = TrackerSpec()
+    """What makes tracks of what the sensor sees."""
     planner: PlannerSpec = PlannerSpec()
     """Who turns what is seen into a new path."""
     method: MethodSpec = MethodSpec()

@@ -72,10 +72,12 @@ class ByArcLength(Protocol):
     def points(self, s_m: np.ndarray) -> np.ndarray: ...
 
 
-def miss_along(path: ByArcLength, s_m: float, speed_mps: float, time_s: float, obstacles: Sequence[Seen]) -> float:
+def miss_along(
+    path: ByArcLength, s_m: float, speed_mps: float, time_s: float, obstacles: Sequence[Seen], within_s: float = PREDICTED_S
+) -> float:
     """Least distance (m) to the centre of any of the obstacles along the rest of a path, flown on at that speed; infinite for none."""
     lasts_s = max(path.length_m - s_m, 1.0) / speed_mps if speed_mps > 0.0 else PREDICTED_S
-    elapsed = np.arange(0.0, min(PREDICTED_S, lasts_s), PREDICTION_STEP_S)
+    elapsed = np.arange(0.0, min(PREDICTED_S, lasts_s, within_s), PREDICTION_STEP_S)
     points = path.points(s_m + speed_mps * elapsed)
     centres = (np.asarray(seen.at(time_s)) + np.outer(elapsed, seen.vel) for seen in obstacles)
     return min((least_clearance(elapsed, points, centre, 0.0).clearance_m for centre in centres), default=math.inf)
@@ -101,6 +103,8 @@ class Rejoin:
     def __init__(self, context: Context) -> None:
         self._settings, self._magnitude = context.replan.rejoin, context.replan.magnitude_chords
         self._context = context
+        once = context.replan.policy == "once"  # else a way back within the swell would be called a conflict again at once
+        self._margin_m = self._settings.margin_m if once else max(self._settings.margin_m, context.replan.swell_m)
         self._most_curvature = G0_MPS2 * math.tan(self._settings.bank_deg * DEG) / context.speed_mps**2
 
     def when_clear(self, time_s: float, state: State, known: Sequence[Seen], left_s_m: float, now: bool) -> Way | None:
@@ -114,7 +118,7 @@ class Rejoin:
         way = self.way((state.x, state.y, state.z), velocity, left_s_m, now)
         chain, speed = Chain(way.curves), norm(velocity)
         kept = (miss_along(chain, 0.0, speed, time_s, [seen]) - seen.radius_m for seen in known)
-        return way if all(clearance >= self._settings.margin_m for clearance in kept) else None
+        return way if all(clearance >= self._margin_m for clearance in kept) else None
 
     def way(self, point: Vec3, velocity: Vec3, left_s_m: float, now: bool) -> Way:
         """PH pieces from a point, along a velocity over the ground, to the goal or to the route and along it.

@@ -1,9 +1,10 @@
 """From a threat to a new path: detection -> threat test -> method -> insertion point -> PH paths. The one place that calls ``avoid``.
 
-One new path per new threat (policy ``once``); every decision is an event with its inputs and its result, whatever it was. The paper
-applies the avoidance direction at the insertion point only (``answer: insertion_point``), so the S-turn before it is not covered by
-what a velocity obstacle promises; ``answer: direct`` flies the direction at once, from where the aircraft is. How the flight comes back
-is in ``rejoin.py``. A method that is a law over time steers instead, from the first threat until the flight is clear (``steering.py``).
+One new path per new threat (policy ``once``), or another when ``again.py`` asks for it; every decision is an event with its inputs and
+its result, whatever it was. The paper applies the avoidance direction at the insertion point only (``answer: insertion_point``), so the
+S-turn before it is not covered by what a velocity obstacle promises; ``answer: direct`` flies the direction at once, from where the
+aircraft is. How the flight comes back is in ``rejoin.py``. A method that is a law over time steers instead, from the first threat until
+the flight is clear (``steering.py``).
 
 A method is given everything in sight, marked as a threat or not; what is out of sight is taken to go straight on from where it was
 last seen, and counts for the way back.
@@ -26,6 +27,7 @@ all this with the velocities over the ground, as if the present ground speed cou
 import inspect
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from time import thread_time
 from typing import Any, NamedTuple
@@ -34,6 +36,7 @@ from testbed.campaign.words.planning import completed
 from testbed.core.chain import FEW
 from testbed.core.frames import Vec3, vec3
 from testbed.flight.impossible import NoWayError
+from testbed.flight.planning.again import Again, Past
 from testbed.flight.planning.context import STILL, Answer, Context, Step
 from testbed.flight.planning.decision import Sighting, carried, judged, make_event
 from testbed.flight.planning.flyable_way import flyable_way
@@ -41,7 +44,7 @@ from testbed.flight.planning.rejoin import Rejoin, Way, joined, miss_along, ray
 from testbed.flight.planning.steering import SteeringLaw, arc
 from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.base import State
-from testbed.flight.record import Decision
+from testbed.flight.record import ANSWERED, Decision, inside
 from testbed.flight.route.path import ActivePath, Path
 from testbed.flight.sensing.base import Seen
 from vosc import Insertion, Own, insertion_point, ph
@@ -57,8 +60,8 @@ class Memory(NamedTuple):
     """The planner's memory: names of the threats that have been answered; from which arc length of the active path on the flight
     looks for the way back (infinite when it does not, and from anywhere while a law steers); every obstacle as it was last seen, for
     flights that look for one; the memory of the law that steers, in a tuple (None when none does); what the arc length of the route is
-    more than that of the active path (NaN while it is elsewhere); the arc length at which the flight left the route; and the time before
-    which no way back is looked for again.
+    more than that of the active path (NaN while it is elsewhere); the arc length at which the flight left the route; the time before
+    which no way back is looked for again; and what the last decision foretold, where threats are answered again.
     """
 
     handled: frozenset[str] = frozenset()
@@ -68,6 +71,7 @@ class Memory(NamedTuple):
     ahead_m: float = 0.0
     left_s_m: float = 0.0
     not_before_s: float = -math.inf
+    past: Past | None = None
 
 
 class Avoided(NamedTuple):
@@ -92,6 +96,8 @@ class Replanner:
         law: Any = part(**options) if inspect.isclass(part) else None
         self._law: SteeringLaw | None = law
         self._comes_back = law is not None or self._settings.answer == "direct" or self._settings.rejoin.when == "clear"
+        self._again = Again(context.replan) if context.replan.policy != "once" else None
+        self._comes_back = self._comes_back or self._again is not None
         self._again_s = AGAIN_S if len(context.route.curves) > FEW else 0.0
         self._rejoin, self._alarmed = Rejoin(context), Watch(context.replan.swell_m).alarmed
         return Memory()
@@ -110,9 +116,14 @@ class Replanner:
             own, wind = self._own(time_s, state)
             sightings = [Sighting.of(one, time_s, own, wind, self._settings) for one in seen]
             if any(sighting.obstacle.is_threat and sighting.seen.name not in memory.handled for sighting in sightings):
-                return self._answer(memory, time_s, state, sightings, path, s_m)
+                return self._noted(self._answer(memory, time_s, state, sightings, path, s_m), time_s, state, seen, path, s_m)
+        if self._again and memory.past and seen:
+            past, why = self._again.asked(memory.past, time_s, state, seen, path, s_m)
+            memory = memory._replace(past=past)
+            if why:
+                return self._noted(self._changed(memory, time_s, state, seen, path, s_m, why), time_s, state, seen, path, s_m)
         ends = path.lasting and s_m >= path.length_m - HELD_ON_S * norm((state.vx, state.vy, state.vz))
-        return self._back(memory, time_s, state, seen, ends) if holds else (memory, None, None)
+        return self._noted(self._back(memory, time_s, state, seen, ends), time_s, state, seen, path, s_m) if holds else (memory, None, None)
 
     def _own(self, time_s: float, state: State) -> tuple[Own, Vec3]:
         """The aircraft in the planner's frame, and the wind that this frame moves with."""
@@ -120,30 +131,71 @@ class Replanner:
         wind = STILL if self._settings.vo_frame == "ground_naive" else self._context.wind_known(time_s, pos)
         return Own(pos, sub((state.vx, state.vy, state.vz), wind)), wind
 
-    def _answer(self, memory: Memory, time_s: float, state: State, sightings: Sequence[Sighting], path: Path, s_m: float) -> Step:
-        """Decide on the avoidance and plan the path that does it; all threats count, old and new."""
+    def _noted(self, step: Step, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float) -> Step:
+        """The step, with what its decision foretells where threats are answered again. A law that steers is asked all the time."""
+        memory: Memory = step.memory
+        if self._again is None or step.event is None or memory.law is not None:
+            return step
+        on, from_m = (path, s_m) if step.path is None else (step.path, step.path.begin_s_m)
+        past, not_before_s = self._again.past(time_s, state, seen, on, from_m), time_s + self._settings.again.hold_s
+        return step._replace(memory=memory._replace(past=past, not_before_s=max(memory.not_before_s, not_before_s)))
+
+    def _changed(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float, why: str) -> Step:
+        """Decide anew. Where straight on is no threat and the path ahead is one: straight on, until the way back is clear."""
+        own, wind = self._own(time_s, state)
+        sightings = [Sighting.of(one, time_s, own, wind, self._settings) for one in seen]
+        if any(sighting.obstacle.is_threat for sighting in sightings):
+            return self._answer(memory, time_s, state, sightings, path, s_m, why)
+        velocity, kind = (state.vx, state.vy, state.vz), self._context.method.kind
+        kept = [miss_along(path, s_m, norm(velocity), time_s, [one.seen]) - one.obstacle.radius_m for one in sightings]
+        clearance_m, major = min(zip(kept, sightings, strict=True), key=lambda one: one[0])
+        passing = clearance_m + major.obstacle.radius_m
+        if not inside(clearance_m):
+            event = make_event(time_s, Decision.KEPT, kind, own, major, None, None, None, wind, passing, Decision.KEPT, why)
+            return Step(memory, None, event)
+        new = ActivePath((ray(own.pos_m, velocity),))
+        event = make_event(time_s, Decision.HELD, kind, own, major, None, None, new, wind, passing, Decision.HELD, why)
+        known = {**memory.known, **{one.name: one for one in seen}}
+        handled, left_s_m = memory.handled | {major.seen.name}, self._left(memory, s_m)
+        memory = memory._replace(handled=handled, known=known, left_s_m=left_s_m, hold_from_s_m=0.0, ahead_m=math.nan)
+        return Step(memory, new, replace(event, command_enu_mps=velocity, deflection_rad=0.0))
+
+    def _left(self, memory: Memory, s_m: float) -> float:
+        """Arc length at which a flight leaves the route that leaves its path at ``s_m``."""
+        left_s_m = memory.left_s_m if math.isnan(memory.ahead_m) else max(memory.left_s_m, s_m + memory.ahead_m)
+        return min(left_s_m, self._context.route.length_m)
+
+    def _answer(
+        self, memory: Memory, time_s: float, state: State, sightings: Sequence[Sighting], path: Path, s_m: float, again: str = ""
+    ) -> Step:
+        """Decide on the avoidance and plan the path that does it; all threats count, old and new. ``again``: why another time."""
         began = thread_time()
         own, wind = self._own(time_s, state)
         threats = [sighting for sighting in sightings if sighting.obstacle.is_threat]
         major = min(threats, key=lambda sighting: time_of_collision(own, sighting))
         known = {**memory.known, **{sighting.seen.name: sighting.seen for sighting in sightings}}
-        left_s_m = memory.left_s_m if math.isnan(memory.ahead_m) else max(memory.left_s_m, s_m + memory.ahead_m)
         handled = memory.handled | {sighting.seen.name for sighting in threats}
-        memory = memory._replace(handled=handled, known=known, left_s_m=min(left_s_m, self._context.route.length_m))
+        memory = memory._replace(handled=handled, known=known, left_s_m=self._left(memory, s_m))
         passing = miss_along(path, s_m, norm(add(own.vel_mps, wind)), time_s, [sighting.seen for sighting in threats])
         kind, did, new = self._context.method.kind, Avoided(Decision.STEERED), None
         if self._law is not None:
             memory = memory._replace(law=(self._law.start(self._context),), hold_from_s_m=-math.inf, ahead_m=math.nan)
         else:
             did = self._avoided(own, wind, state.bank, sightings, major, (memory.left_s_m, path.frame(s_m)[2]))
-            if did.way:
-                new = ActivePath(did.way.curves)
+            new = ActivePath(did.way.curves) if did.way else None
+            if new and again and self._again and not self._again.better(time_s, state, [one.seen for one in sightings], path, s_m, new):
+                new, did = None, did._replace(decision=Decision.KEPT, way=None, reason="another path is no better")
+            if did.way and new:
                 holds = did.insertion is None or self._settings.rejoin.when == "clear"
                 memory = memory._replace(hold_from_s_m=new.starts_m[-1] if holds else math.inf, ahead_m=did.way.ahead_m)
         self.slowest_s = max(self.slowest_s, thread_time() - began)
+        decision, reason = did.decision, did.reason
+        if again:
+            decision = decision if decision in ANSWERED else Decision.KEPT
+            reason = f"{again}; {reason}" if reason else again
         event = make_event(
             time_s,
-            did.decision,
+            decision,
             kind,
             own,
             major,
@@ -153,7 +205,7 @@ class Replanner:
             wind,
             passing,
             status=Decision.STEERED,
-            reason=did.reason,
+            reason=reason,
         )
         if new is not None:
             event = judged(event, new, [sighting.seen for sighting in sightings])
@@ -204,7 +256,9 @@ class Replanner:
     def _steered(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
         """The way back, once the flight is clear; until then what the law says."""
         back = self._back(memory, time_s, state, seen, ends=False)
-        return self._steer(memory, time_s, state, seen, s_m) if back.path is None else back
+        return (
+            self._steer(memory, time_s, state, seen, s_m) if back.path is None else self._noted(back, time_s, state, seen, back.path, 0.0)
+        )
 
     def _steer(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
         """The path for one step."""

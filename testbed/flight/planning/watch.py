@@ -22,7 +22,7 @@ class Watch:
         for one in seen:
             if one[0] in handled:
                 continue
-            _, radius, (cx, cy, cz), (ux, uy, uz), since = one
+            _, radius, (cx, cy, cz), (ux, uy, uz), since, _ = one
             x, y, z, vx, vy, vz = state[:6]
             elapsed, reach = time_s - since, radius + self._swell
             px, py, pz = cx + ux * elapsed - x, cy + uy * elapsed - y, cz + uz * elapsed - z

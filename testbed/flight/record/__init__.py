@@ -14,6 +14,7 @@ from testbed.flight.record.outcome import (
     kept_clear,
 )
 from testbed.flight.record.record import FlightRecord, PlannedPath, ReplanEvent
+from testbed.flight.record.reversals import reversals
 
 __all__ = [
     "ANSWERED",
@@ -30,4 +31,5 @@ __all__ = [
     "inside",
     "kept_and_flew_on",
     "kept_clear",
+    "reversals",
 ]

@@ -25,7 +25,9 @@ class Decision(StrEnum):
     REPLANNED = "replanned"  # the path avoids
     STEERED = "steered"  # from here on a law steers, until the flight is clear
     PLANNED = "planned"  # a planner of somebody's own has another path
+    HELD = "held"  # the path has come to lead through a sphere, and straight on does not: straight on
     REJOINED = "rejoined"  # the path leads back
+    KEPT = "kept"  # decided anew, and nothing came of it: the path of the last decision goes on
     NONE = "none"  # the flight has no method
     CLEAR = "clear"  # the method finds no cone to leave: the path is kept
     NO_INSERTION_POINT = "no_insertion_point"
@@ -42,11 +44,11 @@ class PathFault(StrEnum):
     TURNS_BACK = "turns_back"  # by more than a right angle from the present velocity
 
 
-AVOIDING = frozenset({Decision.REPLANNED, Decision.STEERED, Decision.PLANNED})
+AVOIDING = frozenset({Decision.REPLANNED, Decision.STEERED, Decision.PLANNED, Decision.HELD})
 """Decisions by which a flight left the path that it was on."""
 NEW_PATH = AVOIDING | {Decision.REJOINED}
 """Decisions after which the flight follows another path."""
-ANSWERED = NEW_PATH | {Decision.NONE, Decision.CLEAR}
+ANSWERED = NEW_PATH | {Decision.KEPT, Decision.NONE, Decision.CLEAR}
 """Decisions after which the flight is not one without a path."""
 
 

@@ -4,4 +4,7 @@ from testbed.flight.sensing.base import Seen, Sensor, SensorContext
 
 __all__ = ["SENSORS", "Seen", "Sensor", "SensorContext"]
 
-SENSORS = {"truth": "testbed.flight.sensing.truth:Truth"}
+SENSORS = {
+    "truth": "testbed.flight.sensing.truth:Truth",
+    "imperfect": "testbed.flight.sensing.imperfect:Imperfect",
+}

@@ -26,7 +26,11 @@ class SensorContext:
 
 
 class Sensor(Protocol):
-    """A sensor of one flight, made by ``factory(**options)``. It looks at the planner's rate; its memory goes in and comes out."""
+    """A sensor of one flight, made by ``factory(**options)``. It looks at the planner's rate; its memory goes in and comes out.
+
+    It may also have a static method ``reach_m(range_m, radius_m, **options)``, from how far to the centre a sphere is seen: one that is
+    entered before is then refused; and ``amiss(options, planner_hz, tracked)``, options by name that do not go with these, and why.
+    """
 
     def start(self, context: SensorContext) -> Any:
         """Fresh memory."""

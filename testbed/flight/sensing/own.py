@@ -29,21 +29,26 @@ class OwnSensor:
         self._clock.now_s = time_s
         if self._known is None or self._known[0] is not traffic:
             self._known = traffic, Traffic(tuple(_SoFar(track, self._clock) for track in traffic.tracks))
-        answer = self._sensor.sense(memory, time_s, own, self._known[1])
-        if not (isinstance(answer, tuple) and len(answer) == 2):
-            raise self._refused(repr(answer))
-        memory, seen = answer
-        if not isinstance(seen, Sequence) or isinstance(seen, str | Body):
-            raise self._refused(f"(memory, {seen!r})")
-        for one in seen:
-            if why := _fault(one, time_s):
-                raise self._refused(f"{one!r}: {why}")
-        if len({one.name for one in seen}) < len(seen):
-            raise self._refused(f"two of the same name: {', '.join(one.name for one in seen)}")
-        return memory, tuple(seen)
+        return checked(f"the sensor {self._kind}", self._sensor.sense(memory, time_s, own, self._known[1]), time_s)
 
-    def _refused(self, what: str) -> ValueError:
-        return ValueError(f"the sensor {self._kind} must return (memory, tuple of Seen), not {what}")
+
+def checked(who: str, answer: Any, time_s: float) -> tuple[Any, tuple[Seen, ...]]:
+    """The answer of a sensor or a tracker of somebody's own at a look, as it has to be. ``ValueError`` in words, which say whose it is."""
+    if not (isinstance(answer, tuple) and len(answer) == 2):
+        raise _refused(who, repr(answer))
+    memory, seen = answer
+    if not isinstance(seen, Sequence) or isinstance(seen, str | Body):
+        raise _refused(who, f"(memory, {seen!r})")
+    for one in seen:
+        if why := _fault(one, time_s):
+            raise _refused(who, f"{one!r}: {why}")
+    if len({one.name for one in seen}) < len(seen):
+        raise _refused(who, f"two of the same name: {', '.join(one.name for one in seen)}")
+    return memory, tuple(seen)
+
+
+def _refused(who: str, what: str) -> ValueError:
+    return ValueError(f"{who} must return (memory, tuple of Seen), not {what}")
 
 
 class _Clock:
@@ -83,9 +88,15 @@ def _fault(one: Any, now_s: float) -> str:
         return "pos and vel are three finite numbers each"
     if not _finite(one.radius_m, ()) or one.radius_m <= 0.0:
         return "radius_m is a number above 0"
-    if not _finite(one.time_s, ()):
+    if one.covariance is not None and not _symmetrical(one.covariance):
+        return "covariance is None, or the 6x6 numbers of a symmetrical matrix"
+    return _mistimed(one.time_s, now_s)
+
+
+def _mistimed(time_s: Any, now_s: float) -> str:
+    if not _finite(time_s, ()):
         return "time_s is a finite number"
-    return f"its time_s is later than now, {now_s:g} s" if one.time_s > now_s + EARLY_S else ""
+    return f"its time_s is later than now, {now_s:g} s" if time_s > now_s + EARLY_S else ""
 
 
 def _finite(value: Any, shape: tuple[int, ...]) -> bool:
@@ -94,3 +105,11 @@ def _finite(value: Any, shape: tuple[int, ...]) -> bool:
     except (TypeError, ValueError):
         return False
     return numbers.shape == shape and bool(np.isfinite(numbers).all())
+
+
+def _symmetrical(rows: Any) -> bool:
+    try:
+        matrix = np.asarray(rows, dtype=float)
+    except (TypeError, ValueError):
+        return False
+    return matrix.shape == (6, 6) and bool((matrix == matrix.T).all())

@@ -9,6 +9,8 @@ from testbed.core.frames import Vec3, vec3
 from testbed.flight.impossible import NoMeetingError
 
 Array = np.ndarray
+Covariance = tuple[tuple[float, ...], ...]
+"""Rows of a symmetrical matrix."""
 
 
 class Body(NamedTuple):
@@ -19,6 +21,8 @@ class Body(NamedTuple):
     pos: Vec3
     vel: Vec3
     time_s: float
+    covariance: Covariance | None = None
+    """Of the error of ``pos`` and ``vel`` (6x6, in m and m/s), where who says this knows it; infinite where nothing is known."""
 
     def at(self, time_s: float) -> Vec3:
         """Where the centre is at another time if it goes straight on."""
