@@ -17,7 +17,7 @@ from testbed.studies.arena.sentences import lost_name, racing, said
 KEEPS, FAILS = 0.9, 0.5  # shares that are coloured as good, and as bad
 CAPTION = (
     "Flights that keep every radius, %, by how long before the closest approach a threat may be answered. One line a method; "
-    "coloured: the best of each shape over all that is flown. Point at a line for its name."
+    "coloured: the best of each shape over all that is flown, side by side where they coincide. Point at a line for its name."
 )
 
 

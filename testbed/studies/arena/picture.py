@@ -9,6 +9,7 @@ from testbed.studies.arena.ranks import Judged, Share
 
 WIDTH, HEIGHT = 300, 190
 LEFT, RIGHT, TOP, BOTTOM = 30, 8, 8, 32
+BESIDE = 2.2  # coloured lines that coincide lie side by side
 KEY = Markup('<li><svg viewBox="0 0 24 8" aria-hidden="true"><line class="line {}" x1="0" y1="4" x2="24" y2="4"/></svg>{}</li>')
 
 
@@ -28,13 +29,19 @@ def picture(judged: Judged) -> Markup:
     rest = sum(shape != CONTROL for shape in judged.shapes.values()) - len(coloured)
     keys += [KEY.format("rest", f"{rest} others")] if rest else []
     longest = max((lead for by_method in judged.leads.values() for of in by_method.values() for lead in of), default=1.0)
+    rungs, who = (list(dict.fromkeys(of)) for of in zip(*judged.leads, strict=True)) if judged.leads else ([], [])
     panels = [
-        Markup("<figure><figcaption>{}</figcaption>{}</figure>").format(
-            title(place.rung, place.flown_by, judged), panel(by_method, judged.shapes, coloured, longest)
+        Markup('<figure style="--column:{};--row:{}"><figcaption>{}</figcaption>{}</figure>').format(
+            rungs.index(place.rung) + 1,
+            who.index(place.flown_by) + 1,
+            title(place.rung, place.flown_by, judged),
+            panel(by_method, judged.shapes, coloured, longest),
         )
         for place, by_method in judged.leads.items()
     ]
-    return Markup('<ul class="legend">{}</ul><div class="panels">{}</div>').format(Markup().join(keys), Markup().join(panels))
+    return Markup('<ul class="legend">{}</ul><div class="panels" style="--columns:{}">{}</div>').format(
+        Markup().join(keys), len(rungs), Markup().join(panels)
+    )
 
 
 def title(rung: str, flown_by: str, judged: Judged) -> str:
@@ -49,7 +56,8 @@ def panel(by_method: Mapping[str, Mapping[float, Share]], shapes: Mapping[str, s
     parts = [_frame(sorted({lead for of in by_method.values() for lead in of}), longest)]
     racing = [method for method in by_method if shapes[method] != CONTROL]
     for method in sorted(racing, key=lambda name: name in coloured):
-        points = [(_x(lead, longest), _y(share.share)) for lead, share in by_method[method].items()]
+        aside = BESIDE * list(coloured).index(method) if method in coloured else 0.0
+        points = [(_x(lead, longest), _y(share.share) + aside) for lead, share in by_method[method].items()]
         parts.append(_line(points, coloured.get(method, "rest"), method))
     return Markup("".join([*parts, "</svg>"]))
 

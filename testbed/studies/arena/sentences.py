@@ -1,14 +1,13 @@
 """Who wins, where, and why: three sentences, made from the figures."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from statistics import fmean
 from typing import Final
 
 from testbed.results.statistics import LEVEL
 from testbed.show.words import counted, interval, listed, outcome, percent
 from testbed.studies.arena.flights import CONTROL, ENDED, Place
-from testbed.studies.arena.picture import title
 from testbed.studies.arena.ranks import Judged, Standing
 
 LOST_NAMES: Final = {
@@ -59,24 +58,42 @@ def who(overall: Sequence[Standing]) -> str:
 
 
 def where(judged: Judged) -> str:
-    """The first of each place, and the hardest and easiest population."""
-    told = []
+    """Who is first in which places, and the hardest and easiest population."""
+    order = [one.method for one in racing(judged, judged.overall)]
+    firsts: dict[tuple[str, ...], dict[Place, float]] = {}
     for place in judged.places:
         found = racing(judged, place)
         if place != judged.overall and found:
             level = [one.method for one in found if one.rank == 1]
-            told.append(f"{title(*place, judged)} {_among(level)} ({percent(found[0].share.share)})")
+            level.sort(key=lambda method: order.index(method) if method in order else len(order))
+            firsts.setdefault(tuple(level), {})[place] = found[0].share.share
+    told = [f"{_among(level)} {_in_places(places, judged)}" for level, places in sorted(firsts.items(), key=lambda item: -len(item[1]))]
+    return f"First by place: {'; '.join(told)}{_hardest(judged)}."
+
+
+def _in_places(shares: Mapping[Place, float], judged: Judged) -> str:
+    """``in calm (gtm_t2 92 %, c172p 83 %) and rails (100 %)``; of all of them ``everywhere``."""
+    if len(shares) > 1 and len(shares) == len([place for place in judged.places if place != judged.overall]):
+        return f"everywhere ({interval(min(shares.values()), max(shares.values()), 'share')})"
+    several = {place.rung for place in judged.leads if len({other.flown_by for other in judged.leads if other.rung == place.rung}) > 1}
+    by_rung: dict[str, list[str]] = {}
+    for place, share in shares.items():
+        by_rung.setdefault(place.rung, []).append(f"{place.flown_by} {percent(share)}" if place.rung in several else percent(share))
+    told = [f"{rung.replace('_', ' ')} ({', '.join(who)})" for rung, who in by_rung.items()]
+    return f"in {listed(told)}"
+
+
+def _hardest(judged: Judged) -> str:
     shares: dict[str, list[float]] = {}
     for method, by_population in judged.populations.items():
         if judged.shapes[method] != CONTROL:
             for name, share in by_population.items():
                 shares.setdefault(name, []).append(share.share)
     means = sorted((fmean(of), name.replace("_", " ")) for name, of in shares.items())
-    hardest = ""
-    if len(means) > 1:
-        (least, hard), (most, easy) = means[0], means[-1]
-        hardest = f"; the mean over all methods is least in {hard} ({percent(least)}) and most in {easy} ({percent(most)})"
-    return f"First by place: {'; '.join(told)}{hardest}."
+    if len(means) < 2:
+        return ""
+    (least, hard), (most, easy) = means[0], means[-1]
+    return f"; of the encounters {hard} are the hardest ({percent(least)} over all methods) and {easy} the easiest ({percent(most)})"
 
 
 def why(judged: Judged, overall: Sequence[Standing]) -> str:
@@ -87,17 +104,19 @@ def why(judged: Judged, overall: Sequence[Standing]) -> str:
     told = []
     for shape, of in sorted(shapes.items(), key=lambda item: -fmean(one.share.share for one in item[1])):
         lost = sum((Counter(one.lost) for one in of), Counter[str]())
-        most = f", lost mostly because {_because(*lost.most_common(1)[0], lost.total())}" if lost else ""
-        told.append(f"{_plural(shape, len(of))} keep {percent(fmean(one.share.share for one in of))}{most}")
+        told.append(f"{_keep(shape, len(of))} {percent(fmean(one.share.share for one in of))}{_mostly(lost)}")
     return f"By shape, at their own best leads, {'; '.join(told)}; {_by_lead(judged)}."
 
 
-def _because(kind: str, count: int, total: int) -> str:
-    return f"{lost_name(kind)!s} ({count} of {total})"
+def _mostly(lost: Counter[str]) -> str:
+    if not lost:
+        return ""
+    ((kind, count),) = lost.most_common(1)
+    return f" (of {counted(lost.total(), 'lost flight')}, {count}: {lost_name(kind)})"
 
 
-def _plural(shape: str, n: int) -> str:
-    return f"the {shape}" if n == 1 else f"{n} {shape}s"
+def _keep(shape: str, n: int) -> str:
+    return f"the {shape} keeps" if n == 1 else f"the {n} {shape}s keep"
 
 
 def _by_lead(judged: Judged) -> str:
@@ -117,4 +136,4 @@ def _among(methods: Sequence[str]) -> str:
     """``a``, ``a and b``; of many the first and how many more."""
     if len(methods) <= MOST_NAMED:
         return listed(methods)
-    return f"{methods[0]} and {len(methods) - 1} more"
+    return f"{', '.join(methods[: MOST_NAMED - 1])} and {len(methods) - MOST_NAMED + 1} more"
