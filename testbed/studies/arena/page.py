@@ -39,7 +39,7 @@ def page_text(campaign: Campaign, flights: Sequence[Flight], judged: Judged, pro
             question=campaign.question,
             kicker="arena",
             hero=unfinished(hero, provenance),
-            files=["arena.csv", "results.csv"],
+            files=["arena.csv", "arena_timings.csv"],
             links=[("places", "Places"), ("costs", "What it costs"), ("populations", "Encounters"), ("each", "Place by place"),
                    ("fair", "How it is kept fair"), ("provenance", "Origin")],
             leads=", ".join(f"{lead:g}" for lead in sorted({one.lead_s for one in flights})),

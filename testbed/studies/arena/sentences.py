@@ -1,33 +1,34 @@
 """Who wins, where, and why: three sentences, made from the figures."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from statistics import fmean
 from typing import Final
 
 from testbed.results.statistics import LEVEL
 from testbed.show.words import counted, interval, listed, outcome, percent
 from testbed.studies.arena.flights import CONTROL, ENDED, Place
+from testbed.studies.arena.picture import title
 from testbed.studies.arena.ranks import Judged, Standing
 
 LOST_NAMES: Final = {
-    "unnoticed": "no threat was seen in time",
-    "answered": "answered, and hit all the same",
-    "hit_another": "hit another obstacle on the way out",
-    "none": "the method had nothing to do",
+    "unnoticed": "no threat was seen",
+    "answered": "the answer was too late or too little",
+    "hit_another": "another obstacle was in the way out",
+    "none": "nothing was done",
     "clear": "the method saw nothing to leave",
     "no_free_direction": "no direction was free",
-    "no_insertion_point": "no insertion point",
-    "no_path": "no path",
-    "inside": "too near already",
-    "undefined": "the construction does not exist",
+    "no_insertion_point": "there was no insertion point",
+    "no_path": "there was no path",
+    "inside": "it was too near already",
+    "undefined": "the method's construction did not exist",
 }
 MOST_NAMED: Final = 3
 
 
 def lost_name(kind: str) -> str:
     """A way to lose a radius, for people."""
-    return outcome(kind) if kind in ENDED else LOST_NAMES.get(kind, kind.replace("_", " "))
+    return f"it {outcome(kind)}" if kind in ENDED else LOST_NAMES.get(kind, kind.replace("_", " "))
 
 
 def racing(judged: Judged, place: Place) -> list[Standing]:
@@ -58,29 +59,17 @@ def who(overall: Sequence[Standing]) -> str:
 
 
 def where(judged: Judged) -> str:
-    """Who is first in which places, and the hardest and easiest population."""
-    order = [one.method for one in racing(judged, judged.overall)]
-    firsts: dict[tuple[str, ...], dict[Place, float]] = {}
-    for place in judged.places:
-        found = racing(judged, place)
-        if place != judged.overall and found:
-            level = [one.method for one in found if one.rank == 1]
-            level.sort(key=lambda method: order.index(method) if method in order else len(order))
-            firsts.setdefault(tuple(level), {})[place] = found[0].share.share
-    told = [f"{_among(level)} {_in_places(places, judged)}" for level, places in sorted(firsts.items(), key=lambda item: -len(item[1]))]
-    return f"First by place: {'; '.join(told)}{_hardest(judged)}."
-
-
-def _in_places(shares: Mapping[Place, float], judged: Judged) -> str:
-    """``in calm (gtm_t2 92 %, c172p 83 %) and rails (100 %)``; of all of them ``everywhere``."""
-    if len(shares) > 1 and len(shares) == len([place for place in judged.places if place != judged.overall]):
-        return f"everywhere ({interval(min(shares.values()), max(shares.values()), 'share')})"
-    several = {place.rung for place in judged.leads if len({other.flown_by for other in judged.leads if other.rung == place.rung}) > 1}
-    by_rung: dict[str, list[str]] = {}
-    for place, share in shares.items():
-        by_rung.setdefault(place.rung, []).append(f"{place.flown_by} {percent(share)}" if place.rung in several else percent(share))
-    told = [f"{rung.replace('_', ' ')} ({', '.join(who)})" for rung, who in by_rung.items()]
-    return f"in {listed(told)}"
+    """Who is first in how many places, the place in which the first keeps least, and the hardest and easiest population."""
+    places = {place: found for place in judged.places if place != judged.overall and (found := racing(judged, place))}
+    firsts = Counter(one.method for found in places.values() for one in found if one.rank == 1)
+    order = {one.method: k for k, one in enumerate(racing(judged, judged.overall))}
+    best = sorted(firsts, key=lambda method: (-firsts[method], order.get(method, len(order))))
+    level = [method for method in best if firsts[method] == firsts[best[0]]]
+    most = "everywhere" if firsts[best[0]] == len(places) else f"in {firsts[best[0]]} of {len(places)} places"
+    hard, found = min(places.items(), key=lambda item: item[1][0].share.share)
+    least = f"least is kept in {title(*hard, judged)} ({found[0].method}, {percent(found[0].share.share)})" if len(places) > 1 else ""
+    told = f"First, or level with the first, {most}: {_among(level)}"
+    return f"{'; '.join(filter(None, (told, least, _hardest(judged))))}."
 
 
 def _hardest(judged: Judged) -> str:
@@ -93,26 +82,24 @@ def _hardest(judged: Judged) -> str:
     if len(means) < 2:
         return ""
     (least, hard), (most, easy) = means[0], means[-1]
-    return f"; of the encounters {hard} are the hardest ({percent(least)} over all methods) and {easy} the easiest ({percent(most)})"
+    return f"the hardest encounters are those of {hard} ({percent(least)} over all methods), the easiest those of {easy} ({percent(most)})"
 
 
 def why(judged: Judged, overall: Sequence[Standing]) -> str:
-    """By shape, with the way in which most of its flights are lost, and by lead."""
-    shapes: dict[str, list[Standing]] = {}
+    """The mean share of each shape, the ways in which most flights are lost, and what the lead does."""
+    shapes: dict[str, list[float]] = {}
     for one in overall:
-        shapes.setdefault(one.shape, []).append(one)
-    told = []
-    for shape, of in sorted(shapes.items(), key=lambda item: -fmean(one.share.share for one in item[1])):
-        lost = sum((Counter(one.lost) for one in of), Counter[str]())
-        told.append(f"{_keep(shape, len(of))} {percent(fmean(one.share.share for one in of))}{_mostly(lost)}")
-    return f"By shape, at their own best leads, {'; '.join(told)}; {_by_lead(judged)}."
+        shapes.setdefault(one.shape, []).append(one.share.share)
+    told = [f"{_keep(shape, len(of))} {percent(fmean(of))}" for shape, of in sorted(shapes.items(), key=lambda item: -fmean(item[1]))]
+    return f"By shape, in the mean and at their own best leads, {listed(told)}; {_lost(overall)}{_by_lead(judged)}."
 
 
-def _mostly(lost: Counter[str]) -> str:
+def _lost(overall: Sequence[Standing]) -> str:
+    lost = sum((Counter(one.lost) for one in overall), Counter[str]())
     if not lost:
         return ""
-    ((kind, count),) = lost.most_common(1)
-    return f" (of {counted(lost.total(), 'lost flight')}, {count}: {lost_name(kind)})"
+    most = [f"{count} because {lost_name(kind)}" for kind, count in lost.most_common(2)]
+    return f"of {counted(lost.total(), 'lost flight')}, {listed(most)}; "
 
 
 def _keep(shape: str, n: int) -> str:
