@@ -112,9 +112,9 @@ class Encounters(Section):
     longest_s: Annotated[Positive, Field(le=3600)] = 10.0
     """Longest time from its begin to the closest approach, s; of several obstacles to that of the first."""
     crossing_deg: tuple[HalfTurn, HalfTurn] = (0.0, 180.0)
-    """Least and largest angle between the obstacle's direction and the own one, deg: 0 overtaking or overtaken, 180 head on."""
+    """Least and largest angle between the obstacle's direction and the own one (0 overtaking or overtaken, 180 head on), deg."""
     climb_deg: tuple[QuarterTurn, QuarterTurn] = (-90.0, 90.0)
-    """Least and largest elevation of the obstacle's direction, deg: negative ones sink."""
+    """Least and largest elevation of the obstacle's direction (negative ones sink), deg."""
     count: Annotated[Whole, Field(ge=1, le=MOST_DRAWN)] = 1
     """Obstacles of one encounter; both flying straight on, every one of them is hit."""
     apart_s: Annotated[NonNegative, Between("the encounter would be several", most=600.0)] = 0.0
