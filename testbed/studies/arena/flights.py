@@ -11,7 +11,7 @@ from testbed.campaign.words.settings import FlightPlan
 from testbed.core import registry
 from testbed.flight.record import AVOIDING, Decision, Outcome
 from testbed.results.flight_row import keeps, value
-from testbed.studies.arena.study import FLOWN_BY, LEAD_S, METHOD, RUNG
+from testbed.studies.arena.labels import FLOWN_BY, LEAD_S, METHOD, RUNG
 from testbed.studies.study import Row, Run
 
 CONTROL: Final = "control"

@@ -1,26 +1,10 @@
 """The arena as the testbed sees it: flights of any methods, judged together. No method, rung or population is known here by name."""
 
-from collections.abc import Iterator, Mapping
-from typing import ClassVar, Final
+from typing import ClassVar
 
-from testbed.campaign.words.study import Axes, LabelKind, Labels
+from testbed.campaign.words.study import Labels
+from testbed.studies.arena.labels import EveryPart
 from testbed.studies.study import Run, Study, Written
-
-METHOD, RUNG, FLOWN_BY, LEAD_S = "method", "rung", "flown_by", "lead_s"
-AXES: Final[Axes] = {METHOD: LabelKind.ANY, RUNG: LabelKind.ANY, FLOWN_BY: LabelKind.AIRCRAFT, LEAD_S: LabelKind.NUMBER}
-
-
-class EveryPart(Mapping[str, Axes]):
-    """The same axes for a part of whatever name: each part is a population of encounters, and so is a campaign without parts."""
-
-    def __getitem__(self, part: str) -> Axes:
-        return AXES
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(())
-
-    def __len__(self) -> int:
-        return 0
 
 
 class Arena(Study):
