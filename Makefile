@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 CHECKED := testbed vosc tests reports
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-full verify lead-time aircraft-table test fast fuzz kills mutants wheel wheel-test bench scale report docs gallery lock clean
+.PHONY: help paper paper-full verify lead-time arena arena-verify aircraft-table test fast fuzz kills mutants wheel wheel-test bench scale report docs gallery lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
@@ -44,6 +44,16 @@ lead-time: $(STAMP) ## the lead-time study, about half an hour: reports/lead_tim
 	$(BIN)/testbed run campaigns/lead_time.yaml --fresh
 	mkdir -p reports/lead_time
 	cp reports/runs/lead-time/index.html reports/runs/lead-time/lead_time.csv reports/lead_time/
+
+# More encounters than two of each kind: make arena REPLICATES=10.
+REPLICATES := 2
+arena: $(STAMP) ## every method on the same encounters, about ten minutes on two idle cores: reports/arena
+	$(BIN)/testbed run campaigns/arena.yaml --fresh --set replicates=$(REPLICATES)
+	mkdir -p reports/arena
+	cp reports/runs/arena/index.html reports/runs/arena/arena.csv reports/runs/arena/arena_timings.csv reports/arena/
+
+arena-verify: $(STAMP) ## recompute the shares and ranks of `make arena` from its raw columns, without the testbed's code
+	$(BIN)/python reports/verify reports/runs/arena
 
 aircraft-table: $(STAMP) ## every model of the wheel made an aircraft, tuned and flown, about half an hour: docs/aircraft.md
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python docs/make_aircraft.py

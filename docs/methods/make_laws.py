@@ -42,7 +42,7 @@ def plan(method: str, options: dict[str, Any], plant: str, number: int) -> Fligh
     """The flight of one encounter: seen from afar, answered ``LEAD_S`` before the closest approach."""
     who = {"flight_id": "", "campaign": "laws", "cell": "", "labels": {}, "replicate": number, "seed": SEED}
     ends = {"start_enu_m": [0, 0, 300], "goal_enu_m": [1000, 0, 300], "start_direction_deg": [0, 0], "goal_direction_deg": [0, 0]}
-    scene = {"route": ends, "begin": {"at_route_s_m": 145}, "obstacles": [POPULATION.drawn(SPEED_MPS, SEED, number)]}
+    scene = {"route": ends, "begin": {"at_route_s_m": 145}, "obstacles": POPULATION.drawn(SPEED_MPS, SEED, number)}
     planner = {"sensor": {"range_m": 1000}, "replan": {"horizon_s": LEAD_S + 0.5 / 60}, "method": {"kind": method, "options": options}}
     return FlightPlan.model_validate(who | scene | planner | {"plant": {"kind": plant}})
 

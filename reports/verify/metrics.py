@@ -24,7 +24,9 @@ def avoidance(raw: Raw, end: End) -> dict[str, float]:
     if event is None:
         return {}
     first, last = round(event["time_s"] * hz), end.row
-    known, command = np.array(event["wind_known_enu_mps"]), np.array(event["command_enu_mps"])
+    command = np.array(event["command_enu_mps"], dtype=float)  # NaN where a law steers
+    # a planner that steers counts over the ground, one that answers with a direction through the air that it knows
+    known = np.array(event["wind_known_enu_mps"]) * (event["decision"] != "steered")
     found = {"deflection_deg": float(between_deg(np.array(event["own_vel_enu_mps"]) - known, command - known)[0])}
     if first >= last:
         return found

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from .arena import compare_arena
 from .compare import AGREE, compare_counts, compare_flights
 from .paper.claims import compare_claims, compare_figures
 from .run import BadInputError, Run, keeps, open_run
@@ -46,6 +47,10 @@ def verify(path: Path, say: Callable[[str], None]) -> bool:
         agreed, unlike = compare_figures(run, own)
         differences += unlike
         say(f"{agreed} lines of the readings agree")
+    if (path / "arena.csv").is_file():
+        agreed, unlike = compare_arena(run, own)
+        differences += unlike
+        say(f"{agreed} shares and ranks of the arena agree")
     if differences:
         differences.sort(key=lambda one: -one.size)
         say(f"{len(differences)} differences above {AGREE:g}" + (f", the first {SHOWN}:" if len(differences) > SHOWN else ":"))

@@ -77,7 +77,7 @@ def trial_plan(name: str, aircraft: Aircraft, air: AirKind, seed: int, number: i
             "aircraft": name,
             "speed_mps": speed,
             "route": ends,
-            "obstacles": [meets.drawn(speed, seed, number)],
+            "obstacles": meets.drawn(speed, seed, number),
             "plant": {"kind": "jsbsim"},
             "method": {"kind": "none"},
             "planner": {"kind": "survivor", "options": options},

@@ -58,8 +58,10 @@ def spread(values: Iterable[float]) -> Spread:
     return Spread(low, middle, high, len(found))
 
 
-def share_interval(count: int, n: int) -> tuple[float, float]:
-    """Two-sided 95 % interval of a share, Clopper-Pearson; NaN for no flights."""
+def share_interval(count: float, n: int) -> tuple[float, float]:
+    """Two-sided 95 % interval of a share, Clopper-Pearson; NaN for no flights. A count need not be whole: of a mean of n shares, which
+    spread less than n yes and no with the same mean, it is an interval that is rather too wide.
+    """
     if n == 0:
         return NAN, NAN
     return _share_above(count, n, 0.5 * (1.0 - LEVEL)), 1.0 - _share_above(n - count, n, 0.5 * (1.0 - LEVEL))
@@ -72,7 +74,7 @@ def share_at_least(count: int, n: int) -> float:
     return _share_above(count, n, 1.0 - LEVEL)
 
 
-def _share_above(count: int, n: int, tail: float) -> float:
+def _share_above(count: float, n: int, tail: float) -> float:
     """The share with which ``count`` or more of ``n`` come out with probability ``tail``."""
     return float(special.betaincinv(count, n - count + 1, tail)) if count else 0.0
 

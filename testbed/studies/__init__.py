@@ -7,6 +7,7 @@ STUDIES: dict[str, str] = {
     "none": "testbed.studies.study:Study",
     "scoam": "testbed.studies.scoam.study:Scoam",
     "lead_time": "testbed.studies.lead_time.study:LeadTimeStudy",
+    "arena": "testbed.studies.arena.study:Arena",
 }
 
 ONCE_SAID = {"lead_time": None}

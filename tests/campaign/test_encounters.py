@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 from scipy import stats
 
 from testbed.campaign import Campaign, FlightPlan, SpecError, expand, load_campaign
@@ -94,6 +95,37 @@ def test_an_encounter_that_takes_too_long_is_drawn_again() -> None:
     assert max(one["time_s"] for one in hasty) <= 2.0 < max(one["time_s"] for one in patient)
     same = [np.array_equal(a["direction"], b["direction"]) for a, b in zip(patient, hasty, strict=True)]
     assert same == [one["time_s"] <= 2.0 for one in patient]
+
+
+def test_encounters_of_a_class_cross_and_climb_as_asked_and_are_the_first_draws_that_do() -> None:
+    told = [geometry(plan) for plan in plans(150, population={"crossing_deg": [150, 180], "climb_deg": [-20, 5]})]
+    own = unit(*DIRECTION)
+    for one in told:
+        assert 150 <= np.degrees(np.arccos(np.clip(one["direction"] @ own, -1, 1))) <= 180
+        assert -20 - 1e-9 <= np.degrees(np.arcsin(one["direction"][2])) <= 5 + 1e-9
+        assert one["miss"] <= one["radius"] + 1e-9
+    every = [geometry(plan) for plan in plans(400)]
+    of_class = [one for one in every if one["direction"] @ own <= np.cos(np.radians(90))]
+    same = [geometry(plan) for plan in plans(400, population={"crossing_deg": [90, 180]})]
+    assert {tuple(one["direction"]) for one in of_class} <= {tuple(one["direction"]) for one in same}
+    with pytest.raises(ValidationError, match="crossing_deg: the first is more than the second"):
+        plans(1, population={"crossing_deg": [90, 80]})
+
+
+def test_several_obstacles_are_all_hit_one_after_the_other() -> None:
+    population = {"trigger": {"time_to_cpa_s": 4.0}, "count": 3, "apart_s": 1.5}
+    made = plans(60, population=population)
+    first = plans(60, population={"trigger": {"time_to_cpa_s": 4.0}})
+    for plan, alone in zip(made, first, strict=True):
+        assert [one.name for one in plan.obstacles] == ["O", "O2", "O3"]
+        assert plan.obstacles[0] == alone.obstacles[0]
+        for k, one in enumerate(plan.obstacles):
+            told = geometry(plan.model_copy(update={"obstacles": (one.model_copy(update={"name": "O"}),)}))
+            assert told["time_s"] == pytest.approx(4.0 + 1.5 * k, abs=1e-9)
+            assert told["miss"] <= one.radius_m + 1e-9
+            assert told["range"] > one.radius_m
+    axes = plans(2, {"obstacles.O3.radius_m": [10]}, population=population)
+    assert [[one.radius_m == 10 for one in plan.obstacles] for plan in axes] == [[False, False, True]] * 2
 
 
 def test_every_cell_meets_the_same_encounters_and_named_obstacles_stay() -> None:

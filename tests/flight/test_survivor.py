@@ -44,7 +44,7 @@ SEED = 77
 
 def met(number: int, **changes: object) -> FlightPlan:
     """A straight flight in JSBSim that sees its obstacle from 100 m."""
-    fixed = {"route": ROUTE, "obstacles": [MEETS.drawn(50.0, SEED, number)], "sensor": {"range_m": 100}, "plant": {"kind": "jsbsim"}}
+    fixed = {"route": ROUTE, "obstacles": MEETS.drawn(50.0, SEED, number), "sensor": {"range_m": 100}, "plant": {"kind": "jsbsim"}}
     return plan(**(fixed | {"aircraft": "gtm_t2", "speed_mps": 50, "replan": DIRECT, "method": {"kind": "none"}} | changes))
 
 

@@ -56,7 +56,9 @@ def publish(run: Path, folder: Path) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-@pytest.mark.parametrize("page", [*REPORTS.glob("paper/*.html"), *REPORTS.glob("lead_time/*.html")], ids=lambda page: page.parent.name)
+@pytest.mark.parametrize(
+    "page", [page for name in ("paper", "lead_time", "arena") for page in REPORTS.glob(f"{name}/*.html")], ids=lambda page: page.parent.name
+)
 def test_no_committed_page_links_to_what_is_not_there(page: Path) -> None:
     for name in links(page.read_text(encoding="utf-8")):
         assert (page.parent / name).is_file(), f"{page}: {name}"

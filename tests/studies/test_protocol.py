@@ -19,7 +19,7 @@ from testbed.studies.study import Study
 from tests.here import Here
 
 TESTBED = Path(__file__).parents[2] / "testbed"
-STUDIES = ("scoam", "lead_time")
+STUDIES = ("scoam", "lead_time", "arena")
 
 TALLY = """\
 from markupsafe import Markup
@@ -114,10 +114,10 @@ def test_a_study_without_options_is_its_name(tmp_path: Path) -> None:
     file = tally(tmp_path, CAMPAIGN.replace('{kind: "tally:Tally"}', '"tally:Tally"'))
     assert load_campaign(file, ["study.options.least_m=3"]).study.model_dump() == {"kind": "tally:Tally", "options": {"least_m": 3.0}}
     assert load_campaign(file, ["study=none"]).study.kind == "none"
-    with pytest.raises(SpecError, match=r"--set study=nope: study\.kind: no study 'nope'; there are: none, scoam, lead_time"):
+    with pytest.raises(SpecError, match=r"--set study=nope: study\.kind: no study 'nope'; there are: none, scoam, lead_time, arena"):
         load_campaign(file, ["study=nope"])
     file.write_text(CAMPAIGN.replace('{kind: "tally:Tally"}', "scaom"))
-    with pytest.raises(SpecError, match=r"tally\.yaml:12:8: study\.kind: no study 'scaom'; there are: none, scoam, lead_time"):
+    with pytest.raises(SpecError, match=r"tally\.yaml:12:8: study\.kind: no study 'scaom'; there are: none, scoam, lead_time, arena"):
         load_campaign(file)
 
 
@@ -136,8 +136,8 @@ def test_the_example_of_the_docs_judges_and_judges_anew(tmp_path: Path) -> None:
 
 
 def test_studies_are_listed_with_what_else_a_campaign_can_name() -> None:
-    assert CliRunner().invoke(app, ["list", "studies"]).stdout.split()[:3] == ["none", *STUDIES]
-    assert "studies:   none, scoam, lead_time" in CliRunner().invoke(app, ["list"]).stdout
+    assert CliRunner().invoke(app, ["list", "studies"]).stdout.split()[:4] == ["none", *STUDIES]
+    assert "studies:   none, scoam, lead_time, arena" in CliRunner().invoke(app, ["list"]).stdout
 
 
 def test_flights_are_the_same_whoever_judges_them(tmp_path: Path) -> None:

@@ -22,8 +22,8 @@ from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings
 from testbed.core import registry
 from testbed.core.canonical import canonical, cut
 
-Encounter = Callable[[float, int, int], dict[str, Any]]
-"""From own speed (m/s), seed and replicate to an obstacle."""
+Encounter = Callable[[float, int, int], Sequence[dict[str, Any]]]
+"""From own speed (m/s), seed and replicate to obstacles."""
 
 KEPT_ENCOUNTERS = 5_000
 """Drawn encounters that wait for the next cell, 1 kB each; of more replicates each cell draws its own again, which are the same."""
@@ -174,25 +174,25 @@ def suspects(block: Block, cell: Cell) -> Sequence[Assignment]:
     return [*block.set, *assignments_of(cell)]
 
 
-def cell_document(campaign: Campaign, block: Block, cell: Cell, tree: Tree, obstacle: dict[str, Any] | None) -> Document:
-    """Settings of a cell: the campaign's, the part's, the drawn obstacle, the axes' values, in this order.
+def cell_document(campaign: Campaign, block: Block, cell: Cell, tree: Tree, obstacles: Sequence[dict[str, Any]]) -> Document:
+    """Settings of a cell: the campaign's, the part's, the drawn obstacles, the axes' values, in this order.
 
     Raises ``NoSuchObstacleError``.
     """
     written = {name: getattr(campaign, name) for name in FlightSettings.model_fields if name in campaign.model_fields_set}
     base = Document(written, tree).assign(block.set)
-    return (base.with_obstacle(obstacle) if obstacle else base).assign(assignments_of(cell))
+    return (base.with_obstacles(obstacles) if obstacles else base).assign(assignments_of(cell))
 
 
 def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree, cells: Iterable[Cell] | None = None) -> Iterator[PlannedCell]:
-    """For each cell its plan (replicate 0 without an id, any obstacle for the drawn one), or what is wrong with the combination.
+    """For each cell its plan (replicate 0 without an id, any obstacles for the drawn ones), or what is wrong with the combination.
 
     ``cells``: which; all where none are given.
     """
-    obstacle = part.encounters.placeholder() if part.encounters else None
+    obstacles = part.encounters.placeholders() if part.encounters else []
     for cell in block.cells() if cells is None else cells:
         try:
-            document = cell_document(campaign, block, cell, tree, obstacle)
+            document = cell_document(campaign, block, cell, tree, obstacles)
         except NoSuchObstacleError as error:
             at = ("obstacles",)
             yield cell, Document({}, tree, ((at, error.assignment),)), [Fault(at, error.message, error.hint)]

@@ -56,7 +56,7 @@ def level_problems(document: Document, block: Block) -> list[Problem]:
     if problems or not block.is_set:  # what axes do on top of it cannot be told
         return problems
     try:
-        base = base.with_obstacle(encounters.placeholder()) if (encounters := _encounters(document.data, block)) else base
+        base = base.with_obstacles(encounters.placeholders()) if (encounters := _encounters(document.data, block)) else base
     except ValidationError:  # reported already; whether axes go with the obstacle cannot be told
         return problems
     known = frozenset(faults(base.data))

@@ -1,4 +1,4 @@
-"""A population of encounters: one obstacle for each replicate, drawn about a straight stretch of the own path."""
+"""A population of encounters: an obstacle or several for each replicate, drawn about a straight stretch of the own path."""
 
 import math
 from collections.abc import Iterator
@@ -8,12 +8,30 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from testbed.core.frames import direction_deg, unit_from_direction, vec3
-from testbed.core.section import Direction, Duration, Point, Positive, Radius, Range, Section, TrafficSpeed
+from testbed.core.section import (
+    Between,
+    Direction,
+    Duration,
+    NonNegative,
+    Number,
+    Point,
+    Positive,
+    Radius,
+    Range,
+    Section,
+    TrafficSpeed,
+    Whole,
+)
 from testbed.core.seeds import stream
 
 OBSTACLE_NAME = "O"
-"""Of the obstacle that is drawn."""
+"""Of the obstacle that is drawn; of several the others are O2, O3 and so on."""
+MOST_DRAWN = 50
 MOST_DRAWS = 20_000
+
+
+HalfTurn = Annotated[Number, Field(ge=0, le=180)]
+QuarterTurn = Annotated[Number, Field(ge=-90, le=90)]
 
 
 class Draw(NamedTuple):
@@ -70,6 +88,9 @@ class Trigger(Section):
 class Encounters(Section):
     """Encounters of straight lines, one for each replicate, the same for every method, plant and aircraft.
 
+    ``crossing_deg`` and ``climb_deg`` keep a class of directions: another direction is drawn again. Of a ``count`` of obstacles each is
+    drawn like the first, and comes closest ``apart_s`` after the one before it.
+
     Own velocity: ``speed_mps`` of the flight (before draws) along ``own_direction_deg``. The obstacle's speed is even in its range and
     its direction even on the sphere, so that all crossing and climb angles occur; its radius R is even in its range. The miss vector of
     the two straight lines is perpendicular to the relative velocity, even in area on the disc of radius R: both flying straight on, they
@@ -89,11 +110,20 @@ class Encounters(Section):
     radius_m: tuple[Radius, Radius]
     """Least and largest radius of the sphere, m."""
     longest_s: Annotated[Positive, Field(le=3600)] = 10.0
-    """Longest time from its begin to the closest approach, s."""
+    """Longest time from its begin to the closest approach, s; of several obstacles to that of the first."""
+    crossing_deg: tuple[HalfTurn, HalfTurn] = (0.0, 180.0)
+    """Least and largest angle between the obstacle's direction and the own one (0 overtaking or overtaken, 180 head on), deg."""
+    climb_deg: tuple[QuarterTurn, QuarterTurn] = (-90.0, 90.0)
+    """Least and largest elevation of the obstacle's direction (negative ones sink), deg."""
+    count: Annotated[Whole, Field(ge=1, le=MOST_DRAWN)] = 1
+    """Obstacles of one encounter; both flying straight on, every one of them is hit."""
+    apart_s: Annotated[NonNegative, Between("the encounter would be several", most=600.0)] = 0.0
+    """Time from one closest approach to the next, s."""
 
     @model_validator(mode="after")
     def _possible(self) -> "Encounters":
-        for name, (low, high) in (("obstacle_speed_mps", self.obstacle_speed_mps), ("radius_m", self.radius_m)):
+        ranges = {name: getattr(self, name) for name in ("obstacle_speed_mps", "radius_m", "crossing_deg", "climb_deg")}
+        for name, (low, high) in ranges.items():
             if low > high:
                 raise ValueError(f"{name}: the first is more than the second")
         if self.trigger.range_m is not None and self.trigger.range_m <= self.radius_m[1]:
@@ -102,31 +132,45 @@ class Encounters(Section):
             raise ValueError(f"trigger.time_to_cpa_s must be at most longest_s = {self.longest_s:g} s")
         return self
 
-    def placeholder(self) -> dict[str, Any]:
-        """An obstacle of the population's kind, for checks that need one and not which."""
-        return self._obstacle(self.radius_m[0], self.own_at_enu_m, self.obstacle_speed_mps[0], self.own_direction_deg)
+    def placeholders(self) -> list[dict[str, Any]]:
+        """Obstacles of the population's kind, for checks that need some and not which."""
+        one = (self.radius_m[0], self.own_at_enu_m, self.obstacle_speed_mps[0], self.own_direction_deg)
+        return [self._obstacle(k, *one) for k in range(self.count)]
 
-    def drawn(self, own_speed_mps: float, seed: int, replicate: int) -> dict[str, Any]:
-        """The obstacle of one replicate, as a YAML would say it. Raises ``NoEncounterError``."""
+    def drawn(self, own_speed_mps: float, seed: int, replicate: int) -> tuple[dict[str, Any], ...]:
+        """The obstacles of one replicate, as a YAML would say them. Raises ``NoEncounterError``."""
         own_vel = own_speed_mps * np.array(unit_from_direction(*self.own_direction_deg))
-        for one in draws(seed, replicate, self.obstacle_speed_mps, self.radius_m):
+        tried = draws(seed, replicate, self.obstacle_speed_mps, self.radius_m)
+        return tuple(self._next(tried, own_vel, k) for k in range(self.count))
+
+    def _next(self, tried: Iterator[Draw], own_vel: np.ndarray, k: int) -> dict[str, Any]:
+        """The next of the draws that is an encounter, as obstacle number ``k`` from 0."""
+        for one in tried:
+            if not self._of_the_class(one.direction, own_vel):
+                continue
             relative_vel = one.speed_mps * one.direction - own_vel
             time_s = self._time_to_cpa(one.miss_m, float(np.linalg.norm(relative_vel)))
             if time_s <= self.longest_s:
-                offset = one.miss_m * perpendicular(relative_vel, one.around_rad) - time_s * relative_vel
+                offset = one.miss_m * perpendicular(relative_vel, one.around_rad) - (time_s + k * self.apart_s) * relative_vel
                 if np.linalg.norm(offset) > one.radius_m:
                     position = vec3(np.array(self.own_at_enu_m) + offset)
-                    return self._obstacle(one.radius_m, position, one.speed_mps, direction_deg(vec3(one.direction)))
+                    return self._obstacle(k, one.radius_m, position, one.speed_mps, direction_deg(vec3(one.direction)))
         raise NoEncounterError
+
+    def _of_the_class(self, direction: np.ndarray, own_vel: np.ndarray) -> bool:
+        """Does an obstacle with this direction (unit vector) cross and climb as was asked for?"""
+        crossing = math.degrees(math.atan2(float(np.linalg.norm(np.cross(own_vel, direction))), float(own_vel @ direction)))
+        climb = direction_deg(vec3(direction))[1]
+        return self.crossing_deg[0] <= crossing <= self.crossing_deg[1] and self.climb_deg[0] <= climb <= self.climb_deg[1]
 
     def _time_to_cpa(self, miss_m: float, closing_mps: float) -> float:
         if self.trigger.time_to_cpa_s is not None:
             return self.trigger.time_to_cpa_s
         return math.sqrt((self.trigger.range_m or 0.0) ** 2 - miss_m**2) / closing_mps if closing_mps > 0.0 else math.inf
 
-    def _obstacle(self, radius_m: float, position: Point, speed_mps: float, direction: Direction) -> dict[str, Any]:
+    def _obstacle(self, k: int, radius_m: float, position: Point, speed_mps: float, direction: Direction) -> dict[str, Any]:
         return {
-            "name": OBSTACLE_NAME,
+            "name": f"{OBSTACLE_NAME}{k + 1}" if k else OBSTACLE_NAME,
             "radius_m": float(radius_m),
             "position_enu_m": position,
             "speed_mps": float(speed_mps),

@@ -88,7 +88,7 @@ class Replanner:
     """The planner of one flight. ``start`` tells it which; what it remembers goes in and comes out."""
 
     def __init__(self) -> None:
-        self.slowest_s = 0.0  # processor seconds of the slowest answer, from the threats to the new path
+        self.slowest_s = 0.0  # processor seconds of the slowest answer, from the threats to the new path, or of a law's slowest step
 
     def start(self, context: Context) -> Memory:
         self._context, self._settings = context, context.replan
@@ -264,7 +264,9 @@ class Replanner:
         """The path for one step."""
         assert self._law is not None
         assert memory.law is not None
+        began = thread_time()
         answer = self._law.steer(memory.law[0], time_s, state, seen)
+        self.slowest_s = max(self.slowest_s, thread_time() - began)
         if not (isinstance(answer, tuple) and len(answer) == 2):
             raise ValueError(f"a law must return (memory, Steer), not {answer!r}")
         return Step(memory._replace(law=answer[:1]), arc(answer[1], state, s_m))
