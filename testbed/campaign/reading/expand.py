@@ -15,11 +15,12 @@ from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
 from testbed.campaign.words.grid import PART, Part
 from testbed.campaign.words.limits import Limits
+from testbed.campaign.words.obstacles import ObstacleSpec
 from testbed.campaign.words.planning import PlannerSpec, Replan
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.population import NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings, Vary
-from testbed.core import registry
+from testbed.core import datafiles, registry
 from testbed.core.canonical import canonical, cut
 
 Encounter = Callable[[float, int, int], dict[str, Any]]
@@ -89,8 +90,9 @@ def flight_id(plan: FlightPlan) -> str:
 
 
 def with_origins(plan: FlightPlan) -> FlightPlan:
-    """The plan with the hash or version of every part that is not built in."""
+    """The plan with the hash or version of every part that is not built in, and the hash of every data file."""
     found = registry.origins((section.family, section.kind) for section in plan.plugged)
+    found |= {name: datafiles.look_up(name).sha256 for obstacle in plan.obstacles for name in obstacle.files}
     return plan.model_copy(update={"plugins": found}) if found else plan
 
 
@@ -112,7 +114,7 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         unsaid["study"] = True
     if plan.planner == PlannerSpec():
         unsaid["planner"] = True
-    if plain := {k: {"kind", "options"} for k, spec in enumerate(plan.obstacles) if spec.kind == "straight" and not spec.options}:
+    if plain := {k: names for k, spec in enumerate(plan.obstacles) if (names := _unsaid_of(spec))}:
         unsaid["obstacles"] = plain
     if as_before := {name for name in SAID_LATER if getattr(plan.replan, name) == Replan.model_fields[name].default}:
         unsaid["replan"] = as_before
@@ -121,6 +123,12 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         if isinstance(section, Pluggable) and name not in ("method", *unsaid) and not section.options:
             unsaid[name] = {"options"}
     return unsaid
+
+
+def _unsaid_of(obstacle: ObstacleSpec) -> set[str]:
+    """The same of an obstacle."""
+    plain = {"kind", "options"} if obstacle.kind == "straight" and not obstacle.options else set()
+    return plain | {name for name in ("appears_at_s", "leaves_at_s") if getattr(obstacle, name) is None}
 
 
 def _short(identity: bytes) -> str:
