@@ -80,7 +80,7 @@ def _csv(data: bytes) -> _Read:
         raise ValueError(f"row 1: has two columns '{twice}'")
     if not any(headings):
         raise ValueError("is empty, or its first row has no headings")
-    if not all(headings[1:]) or b'"' in line:
+    if not all(headings[1:]) or b'"' in line or b"\n\n" in data or b"\n\r\n" in data:
         return _row_by_row(text or data.decode("ascii"), delimiter)
     headings[0] = headings[0] or "(row)"  # of an index without a name, which pandas writes
     how = quick.ConvertOptions(column_types=dict.fromkeys(headings, pa.string()), strings_can_be_null=False)
