@@ -97,7 +97,7 @@ def _stage(plan: FlightPlan) -> _Stage:
         planned = planned_time(laid.route, begin_s, laid.route.length_m, plan, wind)
         if not math.isfinite(planned):
             raise NoRouteError(f"the wind is too strong for it: somewhere it is no slower than the {plan.speed_mps:g} m/s that are held")
-        return _Stage(laid, begin_s, planned, Traffic(_tracks(plan, laid, begin_s, wind)))
+        return _Stage(laid, begin_s, planned, Traffic(_tracks(plan, laid, begin_s, planned, wind)))
 
     if any(spec.kind not in TRACKS for spec in plan.obstacles):
         return make()
@@ -138,13 +138,13 @@ def _chain(pieces: Sequence[Ends]) -> Chain:
     return route
 
 
-def _tracks(plan: FlightPlan, laid: _Laid, begin_s: float, wind: Wind) -> tuple[Track, ...]:
+def _tracks(plan: FlightPlan, laid: _Laid, begin_s: float, planned_s: float, wind: Wind) -> tuple[Track, ...]:
     """The obstacles, in the wind as ``traffic.in_wind`` says. An anchored one is where it is printed in calm air only."""
     anchor = plan.traffic.in_wind == "anchored"
     in_wind, in_calm = (_schedule(plan, laid.route, begin_s, air) if anchor else None for air in (wind, CALM.mean))
     tracks = []
     for spec in plan.obstacles:
-        setting = _setting(plan, spec, laid, begin_s, CALM.mean if anchor else wind)
+        setting = _setting(plan, spec, laid, begin_s, CALM.mean if anchor else wind)._replace(until_s=TIME_OUT * planned_s)
         track: Track = registry.part("traffic", spec.kind, plan.plugins)(setting, **spec.options)
         if plan.traffic.in_wind == "drifts":
             track = _drifting(track, setting, wind)
@@ -170,7 +170,7 @@ def _setting(plan: FlightPlan, spec: ObstacleSpec, laid: _Laid, begin_s: float, 
     if spec.speed_mps is not None and spec.direction_deg is not None:
         velocity = vec3(spec.speed_mps * frame.turn @ np.array(unit_from_direction(*spec.direction_deg)))
     random = stream(plan.seed, plan.replicate, f"traffic.{spec.name}")
-    return TrackSetting(spec.name, spec.radius_m, position, velocity, when, random, spec.speed_mps or 0.0, frame, plan.plugins)
+    return TrackSetting(spec.name, spec.radius_m, position, velocity, when, random, spec.speed_mps or 0.0, frame, files=plan.plugins)
 
 
 def _drifting(track: Track, setting: TrackSetting, wind: Wind) -> Track:

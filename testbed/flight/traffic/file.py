@@ -79,6 +79,7 @@ class Recorded(Pieces):
         if not time_s[0] - 1e-9 <= moment <= time_s[-1] + 1e-9 and (moved or told.azimuth_deg is not None):
             raise NoMeetingError(f"obstacle {setting.name} is not there at {told.at_track_s:g} s of its track")
         moment = min(max(moment, float(time_s[0])), float(time_s[-1]))
+        time_s, pos = _cut(time_s, pos, min(0.0, moment), max(setting.until_s, moment))
         if moved or told.azimuth_deg is not None:
             here, velocity = Pieces("", 0.0, smooth(time_s, pos)).at(moment) or ((0.0,) * 3, (0.0,) * 3)
             turn = np.eye(3) if told.azimuth_deg is None else _upright_turn(told.azimuth_deg * DEG - math.atan2(velocity[1], velocity[0]))
@@ -153,6 +154,14 @@ def _in_frame(place: Array, rows: Array, origin: Origin | None, moment: int | No
     if origin is None:
         raise ValueError("has latitudes: give origin_deg_m, or a position_enu_m to move the track to")
     return enu_from_geodetic(place, origin)
+
+
+def _cut(time_s: Array, pos: Array, from_s: float, to_s: float) -> tuple[Array, Array]:
+    """The rows that decide where the track is between two times, two more to either side: a day's track is a minute's in a flight."""
+    first = max(int(np.searchsorted(time_s, from_s)) - 3, 0)
+    last = int(np.searchsorted(time_s, to_s)) + 3
+    first = min(first, len(time_s) - 2)
+    return time_s[first : max(last, first + 2)], pos[first : max(last, first + 2)]
 
 
 def _resampled(time_s: Array, place: Array, every_s: float) -> tuple[Array, Array]:

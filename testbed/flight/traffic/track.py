@@ -79,6 +79,7 @@ class TrackSetting(NamedTuple):
     random: np.random.Generator  # a stream of this obstacle's own, the same for every method, plant and aircraft
     speed_mps: float = 0.0
     frame: Frame = AS_WRITTEN  # for places that are among a kind's options
+    until_s: float = math.inf  # nobody asks for a time before 0 and ``time_s``, or after this and ``time_s``
     files: Mapping[str, str] = NO_FILES  # the plan's: name of a data file to the SHA-256 that it must have
 
 
