@@ -20,7 +20,7 @@ from typing import Any, BinaryIO
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from testbed.results.columns import AXIS, COLUMNS, Column, Kind, axis_column
+from testbed.results.columns import AXIS, COLUMNS, WEIGHT, Column, Kind, axis_column
 
 Row = Mapping[str, Any]
 
@@ -59,33 +59,33 @@ def _kind(labels: set[str]) -> Kind:
     return Kind.TEXT
 
 
-def layout(axes: Mapping[str, Kind]) -> tuple[Column, ...]:
-    """The columns: who the flight is, its metrics, then ``label.<axis>`` for each axis of the sweep."""
-    return (*COLUMNS, *(axis_column(axis, kind) for axis, kind in axes.items()))
+def layout(axes: Mapping[str, Kind], weighted: bool = False) -> tuple[Column, ...]:
+    """The columns: who the flight is, its metrics, its weight where there are any, then ``label.<axis>`` for each axis of the sweep."""
+    return (*COLUMNS, *([WEIGHT] if weighted else []), *(axis_column(axis, kind) for axis, kind in axes.items()))
 
 
-def schema(axes: Mapping[str, Kind]) -> pa.Schema:
+def schema(axes: Mapping[str, Kind], weighted: bool = False) -> pa.Schema:
     """The same for Arrow, with what each column means."""
     return pa.schema(
         [
             pa.field(column.name, _ARROW[column.kind], metadata={"unit": column.unit, "definition": column.definition})
-            for column in layout(axes)
+            for column in layout(axes, weighted)
         ]
     )
 
 
-def table(rows: Sequence[Row], axes: Mapping[str, Kind] | None = None) -> pa.Table:
+def table(rows: Sequence[Row], axes: Mapping[str, Kind] | None = None, weighted: bool = False) -> pa.Table:
     """The rows, in the given order, under the explicit schema. ``axes`` as ``axis_kinds`` finds them, by default in the rows alone."""
     axes = axis_kinds(row["labels"] for row in rows) if axes is None else axes
-    fields = schema(axes)
-    columns = [pa.array([_cell(row, column) for row in rows], type=field.type) for column, field in zip(layout(axes), fields, strict=True)]
-    return pa.Table.from_arrays(columns, schema=fields)
+    columns, fields = layout(axes, weighted), schema(axes, weighted)
+    filled = [pa.array([_cell(row, column) for row in rows], type=field.type) for column, field in zip(columns, fields, strict=True)]
+    return pa.Table.from_arrays(filled, schema=fields)
 
 
 def _cell(row: Row, column: Column) -> Any:
     if column.name.startswith(AXIS):
         return _axis_value(row["labels"].get(column.heading, NO_VALUE), column.kind)
-    value = row[column.name]
+    value = row.get(WEIGHT.name, 1.0) if column is WEIGHT else row[column.name]
     return None if isinstance(value, float) and math.isnan(value) else value
 
 
@@ -95,26 +95,26 @@ def _axis_value(label: str, kind: Kind) -> Any:
     return _READ[kind](label)
 
 
-def write(rows: Iterable[Row], axes: Mapping[str, Kind], csv_file: BinaryIO, parquet_file: BinaryIO) -> None:
+def write(rows: Iterable[Row], axes: Mapping[str, Kind], csv_file: BinaryIO, parquet_file: BinaryIO, weighted: bool = False) -> None:
     """Both files, of rows that need not fit into memory."""
-    csv_file.write(_csv_line(schema(axes).names))
-    with pq.ParquetWriter(parquet_file, schema(axes), compression=COMPRESSION) as writer:
-        for group in _groups(rows, axes):
+    csv_file.write(_csv_line(schema(axes, weighted).names))
+    with pq.ParquetWriter(parquet_file, schema(axes, weighted), compression=COMPRESSION) as writer:
+        for group in _groups(rows, axes, weighted):
             writer.write_table(group)
             for batch in group.to_batches(max_chunksize=AT_ONCE):
                 csv_file.write(_csv_lines(batch))
 
 
-def _groups(rows: Iterable[Row], axes: Mapping[str, Kind]) -> Iterator[pa.Table]:
+def _groups(rows: Iterable[Row], axes: Mapping[str, Kind], weighted: bool) -> Iterator[pa.Table]:
     """Tables of ``ROW_GROUP`` rows, the last of what is left; one without rows if there are none."""
     rest, held, made = iter(rows), [], 0
     while batch := list(islice(rest, AT_ONCE)):
-        held.append(table(batch, axes))
+        held.append(table(batch, axes, weighted))
         if len(held) * AT_ONCE >= ROW_GROUP:
             yield pa.concat_tables(held).combine_chunks()
             held, made = [], made + 1
     if held or not made:
-        yield pa.concat_tables(held).combine_chunks() if held else table([], axes)
+        yield pa.concat_tables(held).combine_chunks() if held else table([], axes, weighted)
 
 
 def csv_bytes(results: pa.Table) -> bytes:

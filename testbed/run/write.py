@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
+from testbed.campaign.reading.blocks import weighted
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.utf8 import utf8
 from testbed.flight.record import Outcome
@@ -61,7 +62,7 @@ def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, 
 
         axes = _axes(planned, there, rows)
         with directory.writing("results.csv") as table, directory.writing("results.parquet") as columns:
-            tables.write(counted, axes, table, columns)
+            tables.write(counted, axes, table, columns, weighted(campaign))
         checks = _check(directory, campaign, plans, rows, len(planned))
     else:
         deque(counted, maxlen=0)

@@ -81,10 +81,10 @@ class Document:
             layers.append((loc, assignment))
         return replace(self, data=data, layers=tuple(layers))
 
-    def with_obstacle(self, obstacle: dict[str, Any]) -> "Document":
-        """A copy with one more obstacle, the last."""
+    def with_obstacles(self, more: Sequence[dict[str, Any]]) -> "Document":
+        """A copy with more obstacles, the last."""
         obstacles = self.data.get("obstacles", ())
-        return replace(self, data={**self.data, "obstacles": [*(obstacles if isinstance(obstacles, list | tuple) else ()), obstacle]})
+        return replace(self, data={**self.data, "obstacles": [*(obstacles if isinstance(obstacles, list | tuple) else ()), *more]})
 
     def problem(self, fault: Fault, suspects: Sequence[Assignment] = ()) -> Problem | None:
         """The fault at its place; None if that place is known to be broken.

@@ -18,13 +18,13 @@ from testbed.campaign.words.limits import Limits
 from testbed.campaign.words.obstacles import ObstacleSpec
 from testbed.campaign.words.planning import PlannerSpec, Replan
 from testbed.campaign.words.pluggable import Pluggable
-from testbed.campaign.words.population import NoEncounterError
+from testbed.campaign.words.population import Met, NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings, Vary
 from testbed.core import datafiles, registry
 from testbed.core.canonical import canonical, cut
 
-Encounter = Callable[[float, int, int], dict[str, Any]]
-"""From own speed (m/s), seed and replicate to an obstacle."""
+Encounter = Callable[[float, int, int], Met]
+"""From own speed (m/s), seed and replicate to what is met."""
 
 KEPT_ENCOUNTERS = 5_000
 """Drawn encounters that wait for the next cell, 1 kB each; of more replicates each cell draws its own again, which are the same."""
@@ -47,7 +47,7 @@ def each_plan(campaign: Campaign) -> Iterator[FlightPlan]:
         raise SpecError(problems)
     for block in blocks:
         part = parts[block.part]
-        encounter = lru_cache(KEPT_ENCOUNTERS)(part.encounters.drawn) if part.encounters else None  # every cell meets the same
+        encounter = lru_cache(KEPT_ENCOUNTERS)(part.encounters.met) if part.encounters else None  # every cell meets the same
         for cell, document, plan in plans_of_cells(campaign, block, part, Tree({})):
             if not isinstance(plan, FlightPlan):
                 raise SpecError(found for fault in plan if (found := document.problem(fault, suspects(block, cell))))
@@ -105,6 +105,8 @@ def _identity(plan: FlightPlan) -> dict[str, Any]:
 def _unsaid(plan: FlightPlan) -> dict[str, Any]:
     """What is not said of a flight that does without: it is the flight it was before there was such a thing."""
     unsaid: dict[str, Any] = {}
+    if plan.weight == 1.0:
+        unsaid["weight"] = True
     if plan.vary == Vary():
         unsaid["vary"] = True
     if not plan.plugins:
@@ -152,7 +154,9 @@ def _drawn_replicates(
         name = f"{plan.cell}, replicate {replicate}"
         try:
             if encounter:
-                document = cell_document(campaign, block, cell, Tree({}), encounter(plan.speed_mps, campaign.seed, replicate))
+                met = encounter(plan.speed_mps, campaign.seed, replicate)
+                document = cell_document(campaign, block, cell, Tree({}), met)
+                who = who | {"weight": met.weight}
                 made = FlightPlan.model_validate({**document.data, **who, "replicate": replicate})
             else:
                 made = plan.model_copy(update={"replicate": replicate})
@@ -181,14 +185,17 @@ def suspects(block: Block, cell: Cell) -> Sequence[Assignment]:
     return [*block.set, *assignments_of(cell)]
 
 
-def cell_document(campaign: Campaign, block: Block, cell: Cell, tree: Tree, obstacle: dict[str, Any] | None) -> Document:
-    """Settings of a cell: the campaign's, the part's, the drawn obstacle, the axes' values, in this order.
+def cell_document(campaign: Campaign, block: Block, cell: Cell, tree: Tree, met: Met | None) -> Document:
+    """Settings of a cell: the campaign's, the part's, those of the encounter, the axes' values, in this order.
 
     Raises ``NoSuchObstacleError``.
     """
     written = {name: getattr(campaign, name) for name in FlightSettings.model_fields if name in campaign.model_fields_set}
     base = Document(written, tree).assign(block.set)
-    return (base.with_obstacle(obstacle) if obstacle else base).assign(assignments_of(cell))
+    if met:
+        base = base.assign([Assignment(path, Tree.plain(value), path, NOWHERE, NOWHERE) for path, value in met.settings])
+        base = base.with_obstacles(met.obstacles)
+    return base.assign(assignments_of(cell))
 
 
 def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree, cells: Iterable[Cell] | None = None) -> Iterator[PlannedCell]:
@@ -196,10 +203,10 @@ def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree, cel
 
     ``cells``: which; all where none are given.
     """
-    obstacle = part.encounters.placeholder() if part.encounters else None
+    met = Met(tuple(part.encounters.placeholders())) if part.encounters else None
     for cell in block.cells() if cells is None else cells:
         try:
-            document = cell_document(campaign, block, cell, tree, obstacle)
+            document = cell_document(campaign, block, cell, tree, met)
         except NoSuchObstacleError as error:
             at = ("obstacles",)
             yield cell, Document({}, tree, ((at, error.assignment),)), [Fault(at, error.message, error.hint)]

@@ -222,6 +222,8 @@ class FlightPlan(FlightSettings):
     """Axis of the sweep to the label of its value."""
     replicate: int
     seed: int
+    weight: float = 1.0
+    """What the flight's encounter counts where some are drawn more often than they occur."""
     plugins: dict[str, str] = {}  # noqa: RUF012 (pydantic copies it)
     """Where parts come from that are not built in: plug-in to the SHA-256 of its file, distribution to its version; and data files of
     tracks, each to its SHA-256."""

@@ -1,0 +1,306 @@
+"""Encounters of several obstacles, one set for each replicate: by their closest approach, the classic ones, or out of a published set."""
+
+import math
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from testbed.campaign.words.population import Encounters, Met, NoEncounterError, named, obstacle, perpendicular
+from testbed.core.frames import direction_deg, unit_from_direction, vec3
+from testbed.core.section import Direction, Duration, NonNegative, Number, Point, Positive, Radius, Section, TrafficSpeed, Whole
+from testbed.core.seeds import stream
+
+Array = np.ndarray
+MOST_AT_ONCE = 6
+MOST_TRIED = 1000
+FASTEST_TOGETHER = 0.1
+"""Relative speed below which two aircraft fly side by side and have no closest approach, m/s."""
+
+
+class Spread(Section):
+    """How a quantity is distributed: evenly between two numbers, or in bins that are as likely as ``chances`` says, evenly in each.
+
+    ``drawn``: how often each bin is drawn instead, where rare ones are wanted more often than they are; each encounter then has the
+    weight that makes up for it, its chance over how often it is drawn.
+    """
+
+    between: tuple[Number, Number] | None = None
+    """Least and largest value."""
+    edges: tuple[Number, ...] = ()
+    """Edges of the bins, one more than there are bins."""
+    chances: tuple[NonNegative, ...] = ()
+    """How likely each bin is; they need not add up to 1."""
+    drawn: tuple[Positive, ...] = ()
+    """How often each bin is drawn; without it as likely as it is."""
+
+    @model_validator(mode="after")
+    def _is_one(self) -> "Spread":
+        if (self.between is None) == (not self.edges):
+            raise ValueError("give a number, [least, largest], or edges with chances")
+        if self.between is not None and (self.chances or self.drawn):
+            raise ValueError("chances and drawn go with edges")
+        if list(self.edges) != sorted(set(self.edges)) or (self.between and self.between[0] > self.between[1]):
+            raise ValueError("must not go down" if self.between else "edges: must go up")
+        if self.edges and (len(self.edges) < 2 or len(self.chances) != len(self.edges) - 1):
+            raise ValueError(f"chances: has {len(self.chances)} for {max(0, len(self.edges) - 1)} bins")
+        if self.edges and not sum(self.chances) > 0.0:
+            raise ValueError("chances: one must be more than 0")
+        if self.drawn and len(self.drawn) != len(self.chances):
+            raise ValueError(f"drawn: has {len(self.drawn)} for {len(self.chances)} bins")
+        return self
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest value."""
+        return self.between or (self.edges[0], self.edges[-1])
+
+    def at(self, share: float) -> tuple[float, float]:
+        """(value, weight) for a number that is even from 0 to 1."""
+        if self.between is not None:
+            return self.between[0] + share * (self.between[1] - self.between[0]), 1.0
+        drawn, chance = self.drawn or self.chances, sum(self.chances)
+        left, total = share * sum(drawn), sum(drawn)
+        k, last = 0, max(k for k, often in enumerate(drawn) if often > 0.0)
+        while k < last and left >= drawn[k]:
+            left -= drawn[k]
+            k += 1
+        within = min(max(left / drawn[k], 0.0), 1.0)
+        return self.edges[k] + within * (self.edges[k + 1] - self.edges[k]), (self.chances[k] / chance) / (drawn[k] / total)
+
+
+def _spelt_out(value: Any) -> Any:
+    """``40`` and ``[20, 50]`` are short for a spread between."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return {"between": (value, value)}
+    return {"between": value} if isinstance(value, list | tuple) else value
+
+
+Spreading = Annotated[Spread, BeforeValidator(_spelt_out)]
+
+
+def _within(name: str, spread: Spread, least: float, most: float, unit: str) -> None:
+    low, high = spread.ends
+    if not least <= low <= high <= most:
+        raise ValueError(f"{name}: must be between {least:g} and {most:g} {unit}, not {low:g} to {high:g}")
+
+
+class _Meeting(Section):
+    """Where the own aircraft is when an encounter begins, and which way it flies: on straight lines from there it is what it says."""
+
+    own_at_enu_m: Point
+    """Where the plan has the aircraft when the encounter begins, on the route: [east, north, up], m."""
+    own_direction_deg: Direction
+    """Direction of the route there: [azimuth counter-clockwise from east, elevation up], deg."""
+
+    def _own_vel(self, speed_mps: float) -> Array:
+        return speed_mps * np.array(unit_from_direction(*self.own_direction_deg))
+
+    def _met(self, k: int | None, radius_m: float, offset: Array, vel: Array) -> dict[str, Any]:
+        """Obstacle ``k``, at ``offset`` from the own aircraft when the encounter begins."""
+        position, speed = vec3(np.array(self.own_at_enu_m) + offset), float(np.linalg.norm(vel))
+        direction = direction_deg(vec3(vel)) if speed > 0.0 else self.own_direction_deg
+        return obstacle(named(k), radius_m, position, speed, direction, self.own_at_enu_m)
+
+
+class Approaches(_Meeting):
+    """Encounters by their closest approach, of 1 to 6 obstacles, each drawn by itself: flying straight on from where it begins, the own
+    aircraft and the obstacle are nearest after ``time_to_cpa_s``, ``miss_m`` apart, in a direction that is even about their relative
+    velocity. Left and right are as likely. What begins inside of a sphere, or side by side, is drawn again.
+    """
+
+    kind: Literal["approaches"]
+    obstacles: Annotated[Whole, Field(ge=1, le=MOST_AT_ONCE)] | tuple[Whole, Whole] = 1
+    """How many obstacles; or the fewest and the most, each number as likely. They are called O1, O2, ..."""
+    miss_m: Spreading
+    """Least distance of the centres, m: less than the radius is a collision, more is none."""
+    crossing_deg: Spreading
+    """Angle between the two courses, deg: 0 the same way, 180 head on."""
+    speed_mps: Spreading
+    """Speed of the obstacle over the ground, m/s."""
+    vertical_rate_mps: Spreading = Spread(between=(0.0, 0.0))
+    """Its vertical speed, m/s."""
+    time_to_cpa_s: Spreading
+    """From the begin of the encounter to the closest approach, s."""
+    radius_m: Spreading
+    """Radius of the sphere, m."""
+
+    @model_validator(mode="after")
+    def _possible(self) -> "Approaches":
+        fewest, most = self._numbers
+        if not 1 <= fewest <= most <= MOST_AT_ONCE:
+            raise ValueError(f"obstacles: must be 1 to {MOST_AT_ONCE}, and the fewest first")
+        _within("miss_m", self.miss_m, 0.0, 10_000.0, "m")
+        _within("crossing_deg", self.crossing_deg, 0.0, 180.0, "deg")
+        _within("speed_mps", self.speed_mps, 0.0, 3000.0, "m/s")
+        _within("time_to_cpa_s", self.time_to_cpa_s, 0.1, 3600.0, "s")
+        _within("radius_m", self.radius_m, 0.01, 10_000.0, "m")
+        if max(map(abs, self.vertical_rate_mps.ends)) > self.speed_mps.ends[0]:
+            raise ValueError("vertical_rate_mps: is more than the least speed_mps, of which it is a part")
+        return self
+
+    @property
+    def _numbers(self) -> tuple[int, int]:
+        return self.obstacles if isinstance(self.obstacles, tuple) else (self.obstacles, self.obstacles)
+
+    @property
+    def weighted(self) -> bool:
+        """Whether some encounters stand for more than others."""
+        return any(getattr(self, name).drawn for name in type(self).model_fields if isinstance(getattr(self, name), Spread))
+
+    @property
+    def largest_m(self) -> float:
+        """Radius of the largest sphere."""
+        return self.radius_m.ends[1]
+
+    def placeholders(self) -> list[dict[str, Any]]:
+        """Obstacles of the kind, as many as there may be, for checks that need some and not which."""
+        ahead = self._own_vel(1.0)
+        return [self._met(k, self.radius_m.ends[0], (k + 10.0) * self.largest_m * ahead, -ahead) for k in range(1, self._numbers[1] + 1)]
+
+    def met(self, own_speed_mps: float, seed: int, replicate: int) -> Met:
+        """Those of one replicate. Raises ``NoEncounterError``."""
+        random = stream(seed, replicate, "encounter")
+        fewest, most = self._numbers
+        count = fewest + min(int(random.uniform() * (most - fewest + 1)), most - fewest)
+        own, found, weight = self._own_vel(own_speed_mps), [], 1.0
+        for k in range(1, count + 1):
+            one, share = self._one(own, random, k)
+            found.append(one)
+            weight *= share
+        return Met(tuple(found), weight)
+
+    def _one(self, own: Array, random: np.random.Generator, k: int) -> tuple[dict[str, Any], float]:
+        for _ in range(MOST_TRIED):
+            shares = random.uniform(size=8)
+            spreads = (self.miss_m, self.crossing_deg, self.speed_mps, self.vertical_rate_mps, self.time_to_cpa_s, self.radius_m)
+            values, weights = zip(*(spread.at(share) for spread, share in zip(spreads, shares, strict=False)), strict=True)
+            miss, crossing, speed, climb, time_s, radius = values
+            course = math.radians(self.own_direction_deg[0] + (crossing if shares[6] < 0.5 else -crossing))
+            level = math.sqrt(max(speed**2 - climb**2, 0.0))
+            vel = np.array([level * math.cos(course), level * math.sin(course), climb])
+            offset = miss * perpendicular(vel - own, math.tau * shares[7]) - time_s * (vel - own)
+            if np.linalg.norm(vel - own) >= FASTEST_TOGETHER and np.linalg.norm(offset) > radius:
+                return self._met(k, radius, offset, vel), math.prod(weights)
+        raise NoEncounterError(f"none of {MOST_TRIED:,} draws begins outside of the sphere and with a relative speed")
+
+
+class _Classic(_Meeting):
+    """A set that everybody tries, the same in every replicate: on straight lines all meet the own aircraft after ``time_to_cpa_s``."""
+
+    speed_mps: TrafficSpeed | None = None
+    """Speed of the obstacles over the ground, m/s; none: the own speed, half of it for overtaking."""
+    radius_m: Radius = 25.0
+    """Radius of the spheres, m."""
+    time_to_cpa_s: Duration = 8.0
+    """From the begin of the encounter to where all meet, s."""
+
+    @property
+    def weighted(self) -> bool:
+        """Whether some encounters stand for more than others."""
+        return False
+
+    @property
+    def largest_m(self) -> float:
+        """Radius of the largest sphere."""
+        return self.radius_m
+
+    def placeholders(self) -> list[dict[str, Any]]:
+        """As many as there are, for checks that need some and not which."""
+        return list(self._all(50.0).obstacles)
+
+    def met(self, own_speed_mps: float, seed: int, replicate: int) -> Met:  # noqa: ARG002 (nothing is drawn)
+        """All of it. Raises ``NoEncounterError``."""
+        found = self._all(own_speed_mps)
+        if any(math.dist(one["position_enu_m"], self.own_at_enu_m) <= self.radius_m for one in found.obstacles):
+            raise NoEncounterError("an obstacle begins around the own aircraft: give a longer time_to_cpa_s")
+        return found
+
+    def _all(self, own_speed_mps: float) -> Met:
+        own, made = self._own_vel(own_speed_mps), []
+        for k, (share, turned, climb, aside) in enumerate(self._lines(), start=1):
+            speed = self.speed_mps if self.speed_mps is not None else share * own_speed_mps
+            vel = speed * np.array(unit_from_direction(self.own_direction_deg[0] + turned, climb))
+            beside = aside * np.array(unit_from_direction(self.own_direction_deg[0] + 90.0, 0.0))
+            made.append(self._met(k, self.radius_m, beside - self.time_to_cpa_s * (vel - own), vel))
+        return Met(tuple(made))
+
+    def _lines(self) -> list[tuple[float, float, float, float]]:
+        """Of each obstacle its share of the own speed, its course from the own one to the left and its climb (deg), and how far to the
+        left of the own aircraft it comes by (m).
+        """
+        raise NotImplementedError
+
+    @property
+    def _climb(self) -> float:
+        return self.own_direction_deg[1]
+
+
+class Circle(_Classic):
+    """``n`` aircraft, the own one among them, evenly round a circle, all to its middle."""
+
+    kind: Literal["circle"]
+    n: Annotated[Whole, Field(ge=2, le=100)] = 6
+    """How many aircraft."""
+
+    def _lines(self) -> list[tuple[float, float, float, float]]:
+        turns = [math.tau * k / self.n for k in range(1, self.n)]
+        return [(1.0, math.degrees(turn), self._climb * math.cos(turn), 0.0) for turn in turns]
+
+
+class Wall(_Classic):
+    """``n`` obstacles abreast, head on."""
+
+    kind: Literal["wall"]
+    n: Annotated[Whole, Field(ge=1, le=100)] = 5
+    """How many obstacles."""
+    spacing_m: Positive = 60.0
+    """From one centre to the next, m."""
+
+    def _lines(self) -> list[tuple[float, float, float, float]]:
+        return [(1.0, 180.0, -self._climb, (k - 0.5 * (self.n - 1)) * self.spacing_m) for k in range(self.n)]
+
+
+class HeadOn(_Classic):
+    """One, the other way."""
+
+    kind: Literal["head_on"]
+
+    def _lines(self) -> list[tuple[float, float, float, float]]:
+        return [(1.0, 180.0, -self._climb, 0.0)]
+
+
+class Overtaking(_Classic):
+    """One ahead, the same way and half as fast."""
+
+    kind: Literal["overtaking"]
+
+    def _lines(self) -> list[tuple[float, float, float, float]]:
+        return [(0.5, 0.0, self._climb, 0.0)]
+
+
+class VerticalCrossing(_Classic):
+    """One from the right that climbs through the own height at 45 deg."""
+
+    kind: Literal["vertical_crossing"]
+
+    def _lines(self) -> list[tuple[float, float, float, float]]:
+        return [(1.0, 90.0, 45.0, 0.0)]
+
+
+def _kind(written: Any) -> str:
+    """Which of them is meant: without a ``kind`` the drawn one, which was there before there were others."""
+    kind = written.get("kind", "drawn") if isinstance(written, dict) else getattr(written, "kind", "drawn")
+    return kind if isinstance(kind, str) else "drawn"
+
+
+Meetings = Annotated[
+    Annotated[Encounters, Tag("drawn")]
+    | Annotated[Approaches, Tag("approaches")]
+    | Annotated[Circle, Tag("circle")]
+    | Annotated[Wall, Tag("wall")]
+    | Annotated[HeadOn, Tag("head_on")]
+    | Annotated[Overtaking, Tag("overtaking")]
+    | Annotated[VerticalCrossing, Tag("vertical_crossing")],
+    Discriminator(_kind),
+]
