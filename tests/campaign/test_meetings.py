@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.io import savemat
 
 from testbed.campaign import Campaign, FlightPlan, SpecError, expand, load_campaign
 from testbed.campaign.words.encounters import Spread
+from testbed.flight.scene import make_scene
 from testbed.run import runner
 from testbed.run.runner import Order
 from tests.here import Here
@@ -109,6 +111,71 @@ def test_the_classic_sets_meet_when_they_say(kind: str, more: dict[str, Any], co
     if kind == "circle":
         starts = np.array([AT, *(each.position_enu_m for each in one.obstacles)]) - [700.0, 0.0, 0.0]
         assert np.linalg.norm(starts, axis=1) == pytest.approx([400.0] * 4)
+
+
+def saved(path: Path, **changes: Any) -> None:
+    """One encounter as a struct: the own aircraft north at 164 ft/s (49.99 m/s), climbing; the other one turns right after 10 s."""
+    sample = {
+        "v_ftps": [164.0, 100.0], "n_ft": [500.0, 3500.0], "e_ft": [0.0, 1000.0], "h_ft": [1000.0, 1100.0],
+        "heading_rad": [0.0, np.pi], "pitch_rad": [0.0, 0.1], "runTime_s": 30.0,
+        "updates": [
+            {"time_s": 0.0, "verticalRate_fps": 10.0, "turnRate_radps": 0.0, "longitudeAccel_ftpss": 0.0},
+            {"time_s": 10.0, "verticalRate_fps": -5.0, "turnRate_radps": 0.05, "longitudeAccel_ftpss": 1.0},
+        ],
+    } | changes  # fmt: skip
+    savemat(path, {"samples": {key: value for key, value in sample.items() if value is not None}})
+
+
+def test_an_encounter_of_a_published_set_is_flown_as_it_was_scripted(tmp_path: Path) -> None:
+    """Against its motion integrated step by step; the own aircraft gets a straight route of 30 s, and a changed file another flight."""
+    foot, file = 0.3048, tmp_path / "set.mat"
+    saved(file, weight=0.25)
+    data = {"name": "demo", "question": "?", "route": ROUTE, "plant": {"kind": "kinematic"}}
+    data["encounters"] = {"kind": "file", "path": "set.mat", "own_at_enu_m": [7.0, 8.0, 9.0]}
+    (tmp_path / "c.yaml").write_text(json.dumps(data))
+    (one,) = expand(load_campaign(tmp_path / "c.yaml"))
+    assert (one.weight, one.speed_mps) == (0.25, pytest.approx(164 * foot))
+    assert one.route.start_enu_m == (7.0, 8.0, 9.0)
+    assert one.route.goal_enu_m == pytest.approx((7.0, 8.0 + 30 * 164 * foot, 9.0 + 300 * foot))
+    (track,) = make_scene(one).tracks
+    pos, speed, heading, climb = np.array([1000.0, 3000.0, 100.0]), 100 * np.cos(0.1), np.pi, 100 * np.sin(0.1)
+    step = 0.001
+    for k in range(25_000):
+        rate, turn, climb = (0.0, 0.0, climb) if k < 10_000 else (1.0, 0.05, -5.0)
+        middle_speed, middle = speed + 0.5 * step * rate, heading + 0.5 * step * turn
+        pos = pos + step * np.array([middle_speed * np.sin(middle), middle_speed * np.cos(middle), climb])
+        speed, heading = speed + step * rate, heading + step * turn
+    assert np.array(track.at(25.0)[0]) == pytest.approx(foot * pos + [7.0, 8.0, 9.0], abs=1e-3)
+    saved(file, weight=0.25, runTime_s=31.0)
+    (other,) = expand(load_campaign(tmp_path / "c.yaml"))
+    assert other.plugins["set.mat"] != one.plugins["set.mat"]
+    assert other.flight_id != one.flight_id
+    data["replicates"] = 2
+    (tmp_path / "c.yaml").write_text(json.dumps(data))
+    with pytest.raises(SpecError, match=r"set\.mat has 1 encounters: replicates must be at most that"):
+        load_campaign(tmp_path / "c.yaml")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"v_ftps": None}, "set.mat: encounter 1: has no v_ftps"),
+        ({"heading_rad": [0.0, np.nan]}, "set.mat: encounter 1: heading_rad must be 2 finite numbers"),
+        ({"updates": [{"time_s": 0.0}]}, "set.mat: encounter 1: updates must be a struct for each of two aircraft"),
+        ({"a_ftpss": [0.0, -30.0]}, "set.mat: encounter 1: aircraft 2 brakes to a standstill"),
+    ],
+)
+def test_a_bad_encounter_is_one_sentence_with_its_number(tmp_path: Path, change: dict[str, Any], said: str) -> None:
+    saved(tmp_path / "set.mat", **change)
+    (tmp_path / "c.yaml").write_text(
+        json.dumps({"name": "d", "question": "?", "route": ROUTE, "encounters": {"kind": "file", "path": "set.mat"}})
+    )
+    with pytest.raises(SpecError) as told:
+        load_campaign(tmp_path / "c.yaml")
+    assert said in str(told.value)
+    (tmp_path / "set.mat").write_bytes(b"MATLAB?")
+    with pytest.raises(SpecError, match=r"set\.mat: is no MATLAB file that can be read"):
+        load_campaign(tmp_path / "c.yaml")
 
 
 FAULTS = [

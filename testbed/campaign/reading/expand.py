@@ -93,7 +93,7 @@ def with_origins(plan: FlightPlan) -> FlightPlan:
     """The plan with the hash or version of every part that is not built in, and the hash of every data file."""
     found = registry.origins((section.family, section.kind) for section in plan.plugged)
     found |= {name: datafiles.look_up(name).sha256 for obstacle in plan.obstacles for name in obstacle.files}
-    return plan.model_copy(update={"plugins": found}) if found else plan
+    return plan.model_copy(update={"plugins": {**plan.plugins, **found}}) if found else plan
 
 
 def _identity(plan: FlightPlan) -> dict[str, Any]:
@@ -156,7 +156,7 @@ def _drawn_replicates(
             if encounter:
                 met = encounter(plan.speed_mps, campaign.seed, replicate)
                 document = cell_document(campaign, block, cell, Tree({}), met)
-                who = who | {"weight": met.weight}
+                who = who | {"weight": met.weight, "plugins": {**plan.plugins, **dict(met.files)}}
                 made = FlightPlan.model_validate({**document.data, **who, "replicate": replicate})
             else:
                 made = plan.model_copy(update={"replicate": replicate})

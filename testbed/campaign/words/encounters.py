@@ -6,7 +6,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from testbed.campaign.words.population import Encounters, Met, NoEncounterError, named, obstacle, perpendicular
+from testbed.campaign.words.population import OBSTACLE_NAME, Encounters, Met, NoEncounterError, named, obstacle, perpendicular
+from testbed.core import datafiles
+from testbed.core.encounter_file import Control, Flown, encounters
 from testbed.core.frames import direction_deg, unit_from_direction, vec3
 from testbed.core.section import Direction, Duration, NonNegative, Number, Point, Positive, Radius, Section, TrafficSpeed, Whole
 from testbed.core.seeds import stream
@@ -288,6 +290,83 @@ class VerticalCrossing(_Classic):
         return [(1.0, 90.0, 45.0, 0.0)]
 
 
+class EncounterSet(Section):
+    """Encounters out of a file, replicate k the k-th of them: MIT Lincoln Laboratory's, of two aircraft (docs/traffic.md).
+
+    One of the two is the obstacle O and does what the file says. The other one is flown: its speed, and a route from where it begins to
+    where the file takes it, with its directions at both ends, are those of the flight; what the campaign says of them is not used.
+    """
+
+    kind: Literal["file"]
+    path: Annotated[str, Field(min_length=1)]
+    """The file, relative to the campaign: a MATLAB file with a struct array `samples`."""
+    own: Literal[1, 2] = 1
+    """Which of the two aircraft is flown."""
+    own_at_enu_m: Point = (0.0, 0.0, 0.0)
+    """Where it begins: [east, north, up], m. Heights in the file count from there, too."""
+    radius_m: Radius = 25.0
+    """Radius of the sphere, m."""
+
+    @model_validator(mode="after")
+    def _can_be_read(self) -> "EncounterSet":
+        found = datafiles.look_up(self.path)
+        if not datafiles.is_of_a_run(self.path):
+            encounters(self.path, found.sha256)
+        return self
+
+    @property
+    def weighted(self) -> bool:
+        """Whether some encounters stand for more than others."""
+        return any(one.weight != 1.0 for one in encounters(self.path))
+
+    @property
+    def largest_m(self) -> float:
+        """Radius of the largest sphere."""
+        return self.radius_m
+
+    def placeholders(self) -> list[dict[str, Any]]:
+        """The first encounter's, for checks that need one and not which."""
+        return list(self._scripted(0).obstacles)
+
+    def met(self, own_speed_mps: float, seed: int, replicate: int) -> Met:  # noqa: ARG002 (the file has it all)
+        """That of one replicate. Raises ``NoEncounterError``."""
+        if replicate >= (there := len(encounters(self.path))):
+            raise NoEncounterError(f"{self.path} has {there:,} encounters: replicates must be at most that")
+        return self._scripted(replicate)
+
+    def _scripted(self, k: int) -> Met:
+        file = datafiles.look_up(self.path)
+        scripted = encounters(self.path, file.sha256)[k]
+        own, other = scripted.aircraft[self.own - 1], scripted.aircraft[2 - self.own]
+        moved = np.array(self.own_at_enu_m) - own.pos
+        goal, last = own.end()
+        route = {
+            "start_enu_m": self.own_at_enu_m,
+            "goal_enu_m": vec3(goal + moved),
+            "start_direction_deg": _direction(own),
+            "goal_direction_deg": direction_deg(last),
+        }
+        legs = [_leg(control) for control in other.controls]
+        speed, place = math.hypot(other.speed, other.climb), vec3(other.pos + moved)
+        one = {
+            **obstacle(OBSTACLE_NAME, self.radius_m, place, speed, _direction(other), self.own_at_enu_m),
+            "when": {"time_s": 0.0},
+            "kind": "legs",
+            "options": {"legs": legs},
+        }
+        settings = (("route", route), ("speed_mps", math.hypot(own.speed, own.climb)), ("begin", {"at_route_s_m": 0.0}))
+        return Met((one,), scripted.weight, settings, ((file.name, file.sha256),))
+
+
+def _direction(flown: Flown) -> Direction:
+    return math.degrees(flown.azimuth), math.degrees(math.atan2(flown.climb, flown.speed))
+
+
+def _leg(control: Control) -> dict[str, Any]:
+    leg = {"duration_s": control.lasts_s, "turn_rate_dps": math.degrees(control.turn), "acceleration_mps2": control.rate}
+    return leg if control.climb is None else {**leg, "climb_mps": control.climb}
+
+
 def _kind(written: Any) -> str:
     """Which of them is meant: without a ``kind`` the drawn one, which was there before there were others."""
     kind = written.get("kind", "drawn") if isinstance(written, dict) else getattr(written, "kind", "drawn")
@@ -301,6 +380,7 @@ Meetings = Annotated[
     | Annotated[Wall, Tag("wall")]
     | Annotated[HeadOn, Tag("head_on")]
     | Annotated[Overtaking, Tag("overtaking")]
-    | Annotated[VerticalCrossing, Tag("vertical_crossing")],
+    | Annotated[VerticalCrossing, Tag("vertical_crossing")]
+    | Annotated[EncounterSet, Tag("file")],
     Discriminator(_kind),
 ]

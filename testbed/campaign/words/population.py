@@ -51,6 +51,7 @@ class Met(NamedTuple):
     obstacles: tuple[dict[str, Any], ...]
     weight: float = 1.0
     settings: tuple[tuple[str, Any], ...] = ()
+    files: tuple[tuple[str, str], ...] = ()  # data files that it comes from, each with its SHA-256
 
 
 def named(k: int | None) -> str:
