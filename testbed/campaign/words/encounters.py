@@ -238,7 +238,7 @@ class _Classic(_Meeting):
         return self.own_direction_deg[1]
 
 
-class Circle(_Classic):
+class Ring(_Classic):
     """``n`` aircraft, the own one among them, evenly round a circle, all to its middle."""
 
     kind: Literal["circle"]
@@ -376,7 +376,7 @@ def _kind(written: Any) -> str:
 Meetings = Annotated[
     Annotated[Encounters, Tag("drawn")]
     | Annotated[Approaches, Tag("approaches")]
-    | Annotated[Circle, Tag("circle")]
+    | Annotated[Ring, Tag("circle")]
     | Annotated[Wall, Tag("wall")]
     | Annotated[HeadOn, Tag("head_on")]
     | Annotated[Overtaking, Tag("overtaking")]
