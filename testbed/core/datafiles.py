@@ -5,10 +5,13 @@ what the flight is: a file that was changed is another flight. Paths go with a f
 """
 
 import hashlib
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+
+from testbed.core.utf8 import clipped
 
 MOST_BYTES = 500_000_000
 
@@ -48,7 +51,7 @@ def look_up(name: str) -> DataFile:
     if not _folder and name in _latest:
         return _latest[name]
     path = (_folder[-1] if _folder else Path()) / name
-    if not path.exists() and name in _latest:  # the copy of a campaign in a run directory, whose world was entered
+    if name in _latest and not os.path.exists(path):  # the copy of a campaign in a run directory, whose world was entered
         return _latest[name]
     found = DataFile(name, str(path.resolve()), _hash(path, name))
     _known[name, found.sha256] = _latest[name] = found
@@ -87,7 +90,7 @@ def content(name: str, sha256: str | None) -> bytes:
 def _hash(path: Path, name: str) -> str:
     try:
         stat = path.stat()
-    except (OSError, ValueError):
+    except (OSError, ValueError):  # the latter for a zero byte
         raise _absent(path, name) from None
     key = (str(path.resolve()), stat.st_mtime_ns, stat.st_size)
     if key not in _hashes:
@@ -109,4 +112,4 @@ def _read(path: Path, name: str) -> bytes:
 
 
 def _absent(path: Path, name: str) -> DataFileError:
-    return DataFileError(f"{name}: no such file (looked for {path.absolute()})" if "\0" not in name else "a file's name has no zero byte")
+    return DataFileError(f"{clipped(name, 80)}: no such file (looked for it in {path.absolute().parent})".replace("\0", "?"))

@@ -59,27 +59,27 @@ def _kind(labels: set[str]) -> Kind:
     return Kind.TEXT
 
 
-def layout(axes: Mapping[str, Kind], weighted: bool = False) -> tuple[Column, ...]:
-    """The columns: who the flight is, its metrics, its weight where there are any, then ``label.<axis>`` for each axis of the sweep."""
-    return (*COLUMNS, *([WEIGHT] if weighted else []), *(axis_column(axis, kind) for axis, kind in axes.items()))
+def layout(axes: Mapping[str, Kind], more: Sequence[Column] = ()) -> tuple[Column, ...]:
+    """The columns: who the flight is, its metrics, ``more`` that the campaign asks for, then ``label.<axis>`` for each axis."""
+    return (*COLUMNS, *more, *(axis_column(axis, kind) for axis, kind in axes.items()))
 
 
-def schema(axes: Mapping[str, Kind], weighted: bool = False) -> pa.Schema:
+def schema(axes: Mapping[str, Kind], more: Sequence[Column] = ()) -> pa.Schema:
     """The same for Arrow, with what each column means."""
     return pa.schema(
         [
             pa.field(column.name, _ARROW[column.kind], metadata={"unit": column.unit, "definition": column.definition})
-            for column in layout(axes, weighted)
+            for column in layout(axes, more)
         ]
     )
 
 
-def table(rows: Sequence[Row], axes: Mapping[str, Kind] | None = None, weighted: bool = False) -> pa.Table:
+def table(rows: Sequence[Row], axes: Mapping[str, Kind] | None = None, more: Sequence[Column] = ()) -> pa.Table:
     """The rows, in the given order, under the explicit schema. ``axes`` as ``axis_kinds`` finds them, by default in the rows alone."""
     axes = axis_kinds(row["labels"] for row in rows) if axes is None else axes
-    columns, fields = layout(axes, weighted), schema(axes, weighted)
-    filled = [pa.array([_cell(row, column) for row in rows], type=field.type) for column, field in zip(columns, fields, strict=True)]
-    return pa.Table.from_arrays(filled, schema=fields)
+    fields, declared = schema(axes, more), layout(axes, more)
+    columns = [pa.array([_cell(row, column) for row in rows], type=field.type) for column, field in zip(declared, fields, strict=True)]
+    return pa.Table.from_arrays(columns, schema=fields)
 
 
 def _cell(row: Row, column: Column) -> Any:
@@ -95,26 +95,26 @@ def _axis_value(label: str, kind: Kind) -> Any:
     return _READ[kind](label)
 
 
-def write(rows: Iterable[Row], axes: Mapping[str, Kind], csv_file: BinaryIO, parquet_file: BinaryIO, weighted: bool = False) -> None:
+def write(rows: Iterable[Row], axes: Mapping[str, Kind], csv_file: BinaryIO, parquet_file: BinaryIO, more: Sequence[Column] = ()) -> None:
     """Both files, of rows that need not fit into memory."""
-    csv_file.write(_csv_line(schema(axes, weighted).names))
-    with pq.ParquetWriter(parquet_file, schema(axes, weighted), compression=COMPRESSION) as writer:
-        for group in _groups(rows, axes, weighted):
+    csv_file.write(_csv_line(schema(axes, more).names))
+    with pq.ParquetWriter(parquet_file, schema(axes, more), compression=COMPRESSION) as writer:
+        for group in _groups(rows, axes, more):
             writer.write_table(group)
             for batch in group.to_batches(max_chunksize=AT_ONCE):
                 csv_file.write(_csv_lines(batch))
 
 
-def _groups(rows: Iterable[Row], axes: Mapping[str, Kind], weighted: bool) -> Iterator[pa.Table]:
+def _groups(rows: Iterable[Row], axes: Mapping[str, Kind], more: Sequence[Column]) -> Iterator[pa.Table]:
     """Tables of ``ROW_GROUP`` rows, the last of what is left; one without rows if there are none."""
     rest, held, made = iter(rows), [], 0
     while batch := list(islice(rest, AT_ONCE)):
-        held.append(table(batch, axes, weighted))
+        held.append(table(batch, axes, more))
         if len(held) * AT_ONCE >= ROW_GROUP:
             yield pa.concat_tables(held).combine_chunks()
             held, made = [], made + 1
     if held or not made:
-        yield pa.concat_tables(held).combine_chunks() if held else table([], axes, weighted)
+        yield pa.concat_tables(held).combine_chunks() if held else table([], axes, more)
 
 
 def csv_bytes(results: pa.Table) -> bytes:

@@ -14,6 +14,7 @@ from testbed.campaign.reading.blocks import weighted
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.utf8 import utf8
 from testbed.flight.record import Outcome
+from testbed.results.columns import WEIGHT
 from testbed.run import manifest
 from testbed.run.directory import MANIFEST, OURS, BadInputError, RunDirectory
 from testbed.run.foreign import is_plain
@@ -62,7 +63,7 @@ def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, 
 
         axes = _axes(planned, there, rows)
         with directory.writing("results.csv") as table, directory.writing("results.parquet") as columns:
-            tables.write(counted, axes, table, columns, weighted(campaign))
+            tables.write(counted, axes, table, columns, [WEIGHT] if weighted(campaign) else [])
         checks = _check(directory, campaign, plans, rows, len(planned))
     else:
         deque(counted, maxlen=0)
