@@ -53,7 +53,8 @@ def look_up(name: str) -> DataFile:
     path = (_folder[-1] if _folder else Path()) / name
     if name in _latest and not os.path.exists(path):  # the copy of a campaign in a run directory, whose world was entered
         return _latest[name]
-    found = DataFile(name, str(path.resolve()), _hash(path, name))
+    sha256 = _hash(path, name)
+    found = DataFile(name, str(path.resolve()), sha256)
     _known[name, found.sha256] = _latest[name] = found
     _of_a_run.discard(name)
     return found
