@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.io import savemat
 
 from testbed.campaign import Campaign, FlightPlan, SpecError, expand, load_campaign
-from testbed.campaign.words.encounters import Spread
+from testbed.campaign.words.spread import Spread
 from testbed.flight.scene import make_scene
 from testbed.run import runner
 from testbed.run.runner import Order

@@ -4,13 +4,14 @@ import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from testbed.campaign.words.population import OBSTACLE_NAME, Encounters, Met, NoEncounterError, named, obstacle, perpendicular
+from testbed.campaign.words.spread import Spread, Spreading, within
 from testbed.core import datafiles
 from testbed.core.encounter_file import Control, Flown, encounters
 from testbed.core.frames import direction_deg, unit_from_direction, vec3
-from testbed.core.section import Direction, Duration, NonNegative, Number, Point, Positive, Radius, Section, TrafficSpeed, Whole
+from testbed.core.section import Direction, Duration, Point, Positive, Radius, Section, TrafficSpeed, Whole
 from testbed.core.seeds import stream
 
 Array = np.ndarray
@@ -18,73 +19,6 @@ MOST_AT_ONCE = 6
 MOST_TRIED = 1000
 FASTEST_TOGETHER = 0.1
 """Relative speed below which two aircraft fly side by side and have no closest approach, m/s."""
-
-
-class Spread(Section):
-    """How a quantity is distributed: evenly between two numbers, or in bins that are as likely as ``chances`` says, evenly in each.
-
-    ``drawn``: how often each bin is drawn instead, where rare ones are wanted more often than they are; each encounter then has the
-    weight that makes up for it, its chance over how often it is drawn.
-    """
-
-    between: tuple[Number, Number] | None = None
-    """Least and largest value."""
-    edges: tuple[Number, ...] = ()
-    """Edges of the bins, one more than there are bins."""
-    chances: tuple[NonNegative, ...] = ()
-    """How likely each bin is; they need not add up to 1."""
-    drawn: tuple[Positive, ...] = ()
-    """How often each bin is drawn; without it as likely as it is."""
-
-    @model_validator(mode="after")
-    def _is_one(self) -> "Spread":
-        if (self.between is None) == (not self.edges):
-            raise ValueError("give a number, [least, largest], or edges with chances")
-        if self.between is not None and (self.chances or self.drawn):
-            raise ValueError("chances and drawn go with edges")
-        if list(self.edges) != sorted(set(self.edges)) or (self.between and self.between[0] > self.between[1]):
-            raise ValueError("must not go down" if self.between else "edges: must go up")
-        if self.edges and (len(self.edges) < 2 or len(self.chances) != len(self.edges) - 1):
-            raise ValueError(f"chances: has {len(self.chances)} for {max(0, len(self.edges) - 1)} bins")
-        if self.edges and not sum(self.chances) > 0.0:
-            raise ValueError("chances: one must be more than 0")
-        if self.drawn and len(self.drawn) != len(self.chances):
-            raise ValueError(f"drawn: has {len(self.drawn)} for {len(self.chances)} bins")
-        return self
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """Least and largest value."""
-        return self.between or (self.edges[0], self.edges[-1])
-
-    def at(self, share: float) -> tuple[float, float]:
-        """(value, weight) for a number that is even from 0 to 1."""
-        if self.between is not None:
-            return self.between[0] + share * (self.between[1] - self.between[0]), 1.0
-        drawn, chance = self.drawn or self.chances, sum(self.chances)
-        left, total = share * sum(drawn), sum(drawn)
-        k, last = 0, max(k for k, often in enumerate(drawn) if often > 0.0)
-        while k < last and left >= drawn[k]:
-            left -= drawn[k]
-            k += 1
-        within = min(max(left / drawn[k], 0.0), 1.0)
-        return self.edges[k] + within * (self.edges[k + 1] - self.edges[k]), (self.chances[k] / chance) / (drawn[k] / total)
-
-
-def _spelt_out(value: Any) -> Any:
-    """``40`` and ``[20, 50]`` are short for a spread between."""
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return {"between": (value, value)}
-    return {"between": value} if isinstance(value, list | tuple) else value
-
-
-Spreading = Annotated[Spread, BeforeValidator(_spelt_out)]
-
-
-def _within(name: str, spread: Spread, least: float, most: float, unit: str) -> None:
-    low, high = spread.ends
-    if not least <= low <= high <= most:
-        raise ValueError(f"{name}: must be between {least:g} and {most:g} {unit}, not {low:g} to {high:g}")
 
 
 class _Meeting(Section):
@@ -132,11 +66,11 @@ class Approaches(_Meeting):
         fewest, most = self._numbers
         if not 1 <= fewest <= most <= MOST_AT_ONCE:
             raise ValueError(f"obstacles: must be 1 to {MOST_AT_ONCE}, and the fewest first")
-        _within("miss_m", self.miss_m, 0.0, 10_000.0, "m")
-        _within("crossing_deg", self.crossing_deg, 0.0, 180.0, "deg")
-        _within("speed_mps", self.speed_mps, 0.0, 3000.0, "m/s")
-        _within("time_to_cpa_s", self.time_to_cpa_s, 0.1, 3600.0, "s")
-        _within("radius_m", self.radius_m, 0.01, 10_000.0, "m")
+        within("miss_m", self.miss_m, 0.0, 10_000.0, "m")
+        within("crossing_deg", self.crossing_deg, 0.0, 180.0, "deg")
+        within("speed_mps", self.speed_mps, 0.0, 3000.0, "m/s")
+        within("time_to_cpa_s", self.time_to_cpa_s, 0.1, 3600.0, "s")
+        within("radius_m", self.radius_m, 0.01, 10_000.0, "m")
         if max(map(abs, self.vertical_rate_mps.ends)) > self.speed_mps.ends[0]:
             raise ValueError("vertical_rate_mps: is more than the least speed_mps, of which it is a part")
         return self
