@@ -1,15 +1,16 @@
 """The stage of a flight: route, where it begins, and every obstacle's track, in the frame that is flown."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from testbed.campaign.words.limits import longest_flight
+from testbed.campaign.words.obstacles import ObstacleSpec
 from testbed.campaign.words.route import LONGEST_ROUTE_M
-from testbed.campaign.words.settings import FlightPlan, Point
+from testbed.campaign.words.settings import FlightPlan
 from testbed.core import registry
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3, unit_from_direction, vec3
@@ -23,7 +24,7 @@ from testbed.flight.route.path import ActivePath
 from testbed.flight.traffic import TRACKS
 from testbed.flight.traffic.schedule import Schedule, anchored, planned_time, wind_key
 from testbed.flight.traffic.straight import shifted
-from testbed.flight.traffic.track import Track, TrackSetting, Traffic
+from testbed.flight.traffic.track import NOWHERE, Frame, Present, Track, TrackSetting, Traffic
 from vosc import Degenerate, ph
 from vosc.ph_curve import CUSP
 
@@ -57,8 +58,7 @@ class _Laid(NamedTuple):
 
     route: Chain
     path: ActivePath
-    turn: Array
-    place: Callable[[Point], Array]
+    frame: Frame
 
 
 class _Stage(NamedTuple):
@@ -78,7 +78,7 @@ _schedules: Kept[Schedule] = Kept(16)
 
 def make_scene(plan: FlightPlan) -> Scene:
     """Route, start and traffic of a plan. Raises ``ImpossibleError`` when its route or its encounter cannot be."""
-    (route, path, _, _), begin_s, planned, traffic = _stage(plan)
+    (route, path, _), begin_s, planned, traffic = _stage(plan)
     goal, goal_tangent, _ = route.frame(route.length_m)
     longest, limit = longest_flight(plan.limits, len(plan.obstacles), plan.rates.plant_hz)
     if TIME_OUT * planned <= longest:
@@ -97,11 +97,11 @@ def _stage(plan: FlightPlan) -> _Stage:
         planned = planned_time(laid.route, begin_s, laid.route.length_m, plan, wind)
         if not math.isfinite(planned):
             raise NoRouteError(f"the wind is too strong for it: somewhere it is no slower than the {plan.speed_mps:g} m/s that are held")
-        return _Stage(laid, begin_s, planned, Traffic(_tracks(plan, laid, begin_s, wind)))
+        return _Stage(laid, begin_s, planned, Traffic(_tracks(plan, laid, begin_s, planned, wind)))
 
     if any(spec.kind not in TRACKS for spec in plan.obstacles):
         return make()
-    return _stages.get(_key(plan, "route", "geometry", "begin", "obstacles", "traffic", *FLOWN), make)
+    return _stages.get(_key(plan, "route", "geometry", "begin", "obstacles", "plugins", "traffic", *FLOWN), make)
 
 
 FLOWN = ("speed_mps", "speed_hold", "terrain_z_m")  # with the mean wind: how fast the plan moves along its route
@@ -120,9 +120,9 @@ def _lay(plan: FlightPlan) -> _Laid:
     pieces = route_pieces(plan)
     start, first, last = pieces[0][0], pieces[0][1], pieces[-1][3]
     turn = level_rotation(first, last) if plan.geometry == "level" else np.eye(3)
-    place = lambda point: start + turn @ (np.asarray(point) - start)  # noqa: E731
-    route = _chain([(place(p0), turn @ d0, place(p1), turn @ d1) for p0, d0, p1, d1 in pieces])
-    return _Laid(route, ActivePath(route.curves), turn, place)
+    frame = Frame(np.asarray(start), turn)
+    route = _chain([(frame.place(p0), turn @ d0, frame.place(p1), turn @ d1) for p0, d0, p1, d1 in pieces])
+    return _Laid(route, ActivePath(route.curves), frame)
 
 
 def _chain(pieces: Sequence[Ends]) -> Chain:
@@ -138,31 +138,49 @@ def _chain(pieces: Sequence[Ends]) -> Chain:
     return route
 
 
-def _tracks(plan: FlightPlan, laid: _Laid, begin_s: float, wind: Wind) -> tuple[Track, ...]:
+def _tracks(plan: FlightPlan, laid: _Laid, begin_s: float, planned_s: float, wind: Wind) -> tuple[Track, ...]:
     """The obstacles, in the wind as ``traffic.in_wind`` says. An anchored one is where it is printed in calm air only."""
-    tracks = []
-    route, _, turn, place = laid
     anchor = plan.traffic.in_wind == "anchored"
-    timing_wind = CALM.mean if anchor else wind
-    in_wind, in_calm = (_schedule(plan, route, begin_s, air) if anchor else None for air in (wind, CALM.mean))
+    in_wind, in_calm = (_schedule(plan, laid.route, begin_s, air) if anchor else None for air in (wind, CALM.mean))
+    tracks = []
     for spec in plan.obstacles:
-        velocity = spec.speed_mps * turn @ np.array(unit_from_direction(*spec.direction_deg))
-        position = place(spec.position_enu_m)
-        if spec.when.own_reaches_enu_m is None:
-            when = spec.when.time_s or 0.0
-        else:
-            reached = float(route.nearest(place(spec.when.own_reaches_enu_m)[None])[0][0])
-            when = planned_time(route, begin_s, reached, plan, timing_wind)
-            if not math.isfinite(when):
-                raise NoMeetingError(f"obstacles.{spec.name}.when: the wind is too strong to get there")
-        make = registry.part("traffic", spec.kind, plan.plugins)
-        random = stream(plan.seed, plan.replicate, f"traffic.{spec.name}")
-        setting = TrackSetting(spec.name, spec.radius_m, vec3(position), vec3(velocity), when, random)
-        track: Track = make(setting, **spec.options)
+        setting = _setting(plan, spec, laid, begin_s, CALM.mean if anchor else wind)._replace(until_s=TIME_OUT * planned_s)
+        track: Track = registry.part("traffic", spec.kind, plan.plugins)(setting, **spec.options)
         if plan.traffic.in_wind == "drifts":
-            track = shifted(track, when, position, velocity + wind(when, vec3(position)))
-        tracks.append(anchored(track, in_calm, in_wind) if in_calm and in_wind else track)
+            track = _drifting(track, setting, wind)
+        track = anchored(track, in_calm, in_wind) if in_calm and in_wind else track
+        if spec.appears_at_s is not None or spec.leaves_at_s is not None:
+            track = Present(track, spec.appears_at_s, spec.leaves_at_s)
+        tracks.append(track)
     return tuple(tracks)
+
+
+def _setting(plan: FlightPlan, spec: ObstacleSpec, laid: _Laid, begin_s: float, timing_wind: Wind) -> TrackSetting:
+    """What an obstacle's track is made with."""
+    route, frame = laid.route, laid.frame
+    if spec.when.own_reaches_enu_m is None:
+        when = spec.when.time_s or 0.0
+    else:
+        reached = float(route.nearest(frame.place(spec.when.own_reaches_enu_m)[None])[0][0])
+        when = planned_time(route, begin_s, reached, plan, timing_wind)
+        if not math.isfinite(when):
+            raise NoMeetingError(f"obstacles.{spec.name}.when: the wind is too strong to get there")
+    position = NOWHERE if spec.position_enu_m is None else vec3(frame.place(spec.position_enu_m))
+    velocity = NOWHERE
+    if spec.speed_mps is not None and spec.direction_deg is not None:
+        velocity = vec3(spec.speed_mps * frame.turn @ np.array(unit_from_direction(*spec.direction_deg)))
+    random = stream(plan.seed, plan.replicate, f"traffic.{spec.name}")
+    return TrackSetting(spec.name, spec.radius_m, position, velocity, when, random, spec.speed_mps or 0.0, frame, files=plan.plugins)
+
+
+def _drifting(track: Track, setting: TrackSetting, wind: Wind) -> Track:
+    """The track carried by the wind from its place at ``when`` on: the one that the campaign says, else the track's own."""
+    position, velocity, when = setting.pos, setting.vel, setting.time_s
+    if math.isnan(position[0]) or math.isnan(velocity[0]):
+        if (there := track.at(when)) is None:
+            raise NoMeetingError(f"obstacle {track.name} is not there at {when:.2f} s, when the wind is to take hold of it")
+        position, velocity = there
+    return shifted(track, when, np.array(position), np.array(velocity) + wind(when, position))
 
 
 def _schedule(plan: FlightPlan, route: Chain, begin_s: float, wind: Wind) -> Schedule:

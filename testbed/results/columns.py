@@ -222,6 +222,10 @@ IDENTITY_COLUMNS: Final = (
 """Who the flight is."""
 
 
+WEIGHT: Final = _known("weight", Kind.NUMBER, "What the flight's encounter counts: how likely it is over how often it is drawn.")
+"""A column of campaigns some of whose encounters are drawn more often than they occur; of the others every flight counts 1."""
+
+
 def _column(name: str, kind: Kind, told: dict[str, Any]) -> Column:
     return Column(name, kind, **told | {"heading": told["heading"] or read_aloud(name)})
 

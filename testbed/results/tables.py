@@ -20,7 +20,7 @@ from typing import Any, BinaryIO
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from testbed.results.columns import AXIS, COLUMNS, Column, Kind, axis_column
+from testbed.results.columns import AXIS, COLUMNS, WEIGHT, Column, Kind, axis_column
 
 Row = Mapping[str, Any]
 
@@ -85,7 +85,7 @@ def table(rows: Sequence[Row], axes: Mapping[str, Kind] | None = None, more: Seq
 def _cell(row: Row, column: Column) -> Any:
     if column.name.startswith(AXIS):
         return _axis_value(row["labels"].get(column.heading, NO_VALUE), column.kind)
-    value = row[column.name]
+    value = row.get(WEIGHT.name, 1.0) if column is WEIGHT else row[column.name]
     return None if isinstance(value, float) and math.isnan(value) else value
 
 

@@ -127,7 +127,9 @@ class Estimate:
 
 def estimate(campaign: Campaign, counted: Counted, workers: int) -> Estimate:
     """Fly the sample, in a process of its own, and multiply."""
-    world = world_of(campaign, {plan.aircraft for plan in counted.sample})
+    world = world_of(
+        campaign, {plan.aircraft for plan in counted.sample}, {name: one for plan in counted.sample for name, one in plan.plugins.items()}
+    )
     with TemporaryDirectory(prefix="estimate-") as folder:
         here = Path(folder)
         jobs = [

@@ -15,7 +15,7 @@ from pydantic_core import from_json
 
 from testbed.core.utf8 import whole
 from testbed.flight.record import Outcome
-from testbed.results.columns import IDENTITY_COLUMNS, METRICS, Kind
+from testbed.results.columns import IDENTITY_COLUMNS, METRICS, WEIGHT, Kind
 from testbed.show import close_up
 
 FOLDERS: Final = ("recordings", "columns", "plugins")
@@ -109,6 +109,8 @@ def checked_row(data: Any) -> None:
         value = row.get(name, NotImplemented)
         if value.__class__ not in types and not (kind is Kind.NUMBER and value in ("inf", "-inf")):  # which is how that is written
             raise ValueError(f"{name} is no {kind}")
+    if row.get(WEIGHT.name, 1.0).__class__ not in (float, int):
+        raise ValueError(f"{WEIGHT.name} is no number")
     if "found" not in row and row["outcome"] not in _OUTCOMES:
         raise ValueError("outcome is none that there is")
     wrong = [

@@ -12,7 +12,7 @@ from testbed.campaign.words.daa import Daa
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.utf8 import reason, shortened, whole
 from testbed.flight.record import FlightRecord, Outcome
-from testbed.results.columns import FlightMetrics, nothing_measured
+from testbed.results.columns import WEIGHT, FlightMetrics, nothing_measured
 from testbed.run.world import NOTHING_MORE, World
 
 Row = dict[str, Any]
@@ -131,7 +131,7 @@ def _identity(plan: FlightPlan) -> Row:
         "plant": plan.plant.kind,
         "aircraft": plan.aircraft,
         "method": plan.avoids_by,
-    }
+    } | ({WEIGHT.name: plan.weight} if plan.weight != 1.0 else {})
 
 
 def _story(events: list[dict[str, Any]], message: str, details: str, recording: str | None) -> Row:

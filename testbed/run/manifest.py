@@ -26,6 +26,9 @@ TOLD_OF_ORIGIN = ("campaign", "source", "overrides", "seed", "revision", "dirty"
 QUESTION = "campaign_hash"
 """Key of the manifest: by it a run that goes on is known before its campaign is expanded."""
 
+FILES = "files"
+"""Key of the manifest: data file to where it was and its SHA-256. A run from before there were any has none."""
+
 MIXED = "changed while flying"
 """In the place of the code's hash: workers that started later may have read other code. Such a run cannot be continued."""
 
@@ -58,6 +61,7 @@ def new(campaign: Campaign, source: str, overrides: tuple[str, ...], planned: Pl
         QUESTION: question_hash(campaign),
         "identity": fingerprint(planned, world),
         "aircraft_path": list(world.aircraft_path),
+        FILES: {file.name: [file.path, file.sha256] for file in world.files},
         **identity.revision(),
         "platform": identity.machine(),
         "aircraft": identity.aircraft_hashes(planned.aircraft),
@@ -70,6 +74,7 @@ def load(directory: RunDirectory) -> Manifest:
     """The manifest of a run that is there."""
     manifest = directory.load(MANIFEST)
     try:
+        manifest.setdefault(FILES, {})
         _ = [manifest[key] for key in (*TOLD_OF_ORIGIN, "history")] + [manifest["identity"][key] for key in IDENTITY_KEYS]
         if not _is_sound(manifest):
             raise TypeError
@@ -83,6 +88,7 @@ def _is_sound(manifest: Manifest) -> bool:
     names = manifest["identity"]
     texts = [item for key in GUESTS for pair in names[key].items() for item in pair] + [*names["versions"], names["plan"], names["code"]]
     texts += [*manifest["aircraft_path"], *manifest[STUDY_FILES]]
+    texts += [text for name, told in manifest[FILES].items() for text in (name, *told)]
     legs = manifest["history"]
     lists = (manifest["aircraft_path"], manifest[STUDY_FILES], manifest["overrides"], legs)
     tables = (names["versions"], manifest["platform"], manifest["aircraft"], *manifest["aircraft"].values())
@@ -92,6 +98,7 @@ def _is_sound(manifest: Manifest) -> bool:
         and all(isinstance(leg, dict) for leg in legs)
         and all(isinstance(text, str) and "\0" not in text for text in texts)
         and all(name.isidentifier() for name in names["plugins"])
+        and all(isinstance(told, list) and len(told) == 2 for told in manifest[FILES].values())
     )
 
 
@@ -121,6 +128,9 @@ def refuse_another(directory: RunDirectory, manifest: Manifest, planned: Planned
         return
     why = []
     guests = [line for key, word in GUESTS.items() for line in _changed(word, there[key], now[key])]
+    guests += _changed(
+        "data file", {name: told[1] for name, told in manifest[FILES].items()}, {one.name: one.sha256 for one in world.files}
+    )
     if there["plan"] != now["plan"]:
         details = identity.differences(campaign_there(directory), planned.campaign)
         if not details and not guests:  # a plug-in that changed makes other flights of the same campaign

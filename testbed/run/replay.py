@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from testbed.campaign.words.daa import Daa
+from testbed.core import datafiles
 from testbed.results.columns import METRICS
 from testbed.results.daa.columns import daa_columns
 from testbed.run import identity, journal, manifest
@@ -34,6 +35,12 @@ def replay(path: Path, flight_id: str, out: Path | None = None, job: Callable[[J
     plan = planned.plans[number]
     if plan.study.part.flies:
         raise BadInputError(f"{path}: '{plan.flight_id}' is what the study '{plan.study.kind}' flies, and cannot be replayed as one flight")
+    for name, sha256 in plan.plugins.items():
+        if datafiles.known([(name, sha256)]):
+            try:
+                datafiles.content(name, sha256)
+            except datafiles.DataFileError as problem:
+                raise BadInputError(f"{path}: {problem}") from None
     recording = recording_file(out or directory.recordings / f"{plan.flight_id}.rrd")
     rows = rows_of(directory)
     places = rows.places(planned.ids[[number]])

@@ -110,7 +110,7 @@ def _continued(directory: RunDirectory, order: Order, campaign: Campaign) -> Ope
     asked = manifest.question_hash(campaign)
     if planned.plugins or planned.hash != there["identity"]["plan"] or there.get(manifest.QUESTION) != asked:
         return None
-    world = world_of(campaign, planned.aircraft)
+    world = world_of(campaign, planned.aircraft, planned.plugins)
     return (_noted(directory, there, world), planned, world) if manifest.is_same(there, planned, world) else None
 
 
@@ -126,7 +126,7 @@ def _begun(directory: RunDirectory, order: Order, campaign: Campaign) -> Open:
             file.flush()
             os.fsync(file.fileno())
         planned = opened(draft)
-        world = world_of(campaign, planned.aircraft)
+        world = world_of(campaign, planned.aircraft, planned.plugins)
         if order.fresh:
             directory.clear()
         if directory.is_run:

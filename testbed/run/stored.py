@@ -57,7 +57,7 @@ def flight_of(directory: RunDirectory, flight_id: str) -> str:
 def world_of_run(directory: RunDirectory) -> World:
     """The plug-ins that the run stores, and where its aircraft were. Raises ``BadInputError``."""
     about = manifest.load(directory)
-    return world.stored_world(directory, about["identity"]["plugins"], about["aircraft_path"])
+    return world.stored_world(directory, about["identity"]["plugins"], about["aircraft_path"], about[manifest.FILES])
 
 
 def rows_of(directory: RunDirectory) -> journal.Index:

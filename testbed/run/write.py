@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
+from testbed.campaign.reading.blocks import weighted
 from testbed.campaign.words.settings import Campaign, FlightPlan
 from testbed.core.utf8 import utf8
 from testbed.flight.record import Outcome
+from testbed.results.columns import WEIGHT
 from testbed.results.daa.columns import checked, daa_columns
 from testbed.run import manifest, stopping
 from testbed.run.directory import MANIFEST, OURS, BadInputError, RunDirectory
@@ -68,7 +70,7 @@ def write_results(directory: RunDirectory, about: Manifest, campaign: Campaign, 
 
         axes = _axes(planned, there, rows)
         with directory.writing("results.csv") as table, directory.writing("results.parquet") as columns:
-            tables.write(counted, axes, table, columns, more)
+            tables.write(counted, axes, table, columns, [*more, *([WEIGHT] if weighted(campaign) else [])])
         checks = _check(directory, campaign, plans, rows, len(planned))
     else:
         deque(counted, maxlen=0)

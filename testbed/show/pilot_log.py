@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from testbed.campaign.words.settings import ObstacleSpec
+from testbed.campaign.words.obstacles import ObstacleSpec
 from testbed.core.frames import direction_deg
 from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED
 from testbed.flight.plants.aircraft import load_aircraft

@@ -129,6 +129,11 @@ def resolved_parts(campaign: Campaign) -> dict[str, Part]:
     }
 
 
+def weighted(campaign: Campaign) -> bool:
+    """Whether some of its encounters stand for more than others."""
+    return any(part.encounters is not None and part.encounters.weighted for part in resolved_parts(campaign).values())
+
+
 def blocks_of(campaign: Tree) -> tuple[list[Block], list[Problem]]:
     """The grids of a campaign, and what is wrong with their shape and their paths (not yet with their values)."""
     problems = _wrong_draws(campaign, "")

@@ -15,15 +15,16 @@ from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import NOWHERE, Problem, SpecError
 from testbed.campaign.words.grid import PART, Part
 from testbed.campaign.words.limits import Limits
+from testbed.campaign.words.obstacles import ObstacleSpec
 from testbed.campaign.words.planning import PlannerSpec, Replan, TrackerSpec
 from testbed.campaign.words.pluggable import Pluggable
-from testbed.campaign.words.population import NoEncounterError
+from testbed.campaign.words.population import Met, NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings, Vary
-from testbed.core import registry
+from testbed.core import datafiles, registry
 from testbed.core.canonical import canonical, cut
 
-Encounter = Callable[[float, int, int], Sequence[dict[str, Any]]]
-"""From own speed (m/s), seed and replicate to obstacles."""
+Encounter = Callable[[float, int, int], Met]
+"""From own speed (m/s), seed and replicate to what is met."""
 
 KEPT_ENCOUNTERS = 5_000
 """Drawn encounters that wait for the next cell, 1 kB each; of more replicates each cell draws its own again, which are the same."""
@@ -46,7 +47,7 @@ def each_plan(campaign: Campaign) -> Iterator[FlightPlan]:
         raise SpecError(problems)
     for block in blocks:
         part = parts[block.part]
-        encounter = lru_cache(KEPT_ENCOUNTERS)(part.encounters.drawn) if part.encounters else None  # every cell meets the same
+        encounter = lru_cache(KEPT_ENCOUNTERS)(part.encounters.met) if part.encounters else None  # every cell meets the same
         for cell, document, plan in plans_of_cells(campaign, block, part, Tree({})):
             if not isinstance(plan, FlightPlan):
                 raise SpecError(found for fault in plan if (found := document.problem(fault, suspects(block, cell))))
@@ -89,9 +90,10 @@ def flight_id(plan: FlightPlan) -> str:
 
 
 def with_origins(plan: FlightPlan) -> FlightPlan:
-    """The plan with the hash or version of every part that is not built in."""
+    """The plan with the hash or version of every part that is not built in, and the hash of every data file."""
     found = registry.origins((section.family, section.kind) for section in plan.plugged)
-    return plan.model_copy(update={"plugins": found}) if found else plan
+    found |= {name: datafiles.look_up(name).sha256 for obstacle in plan.obstacles for name in obstacle.files}
+    return plan.model_copy(update={"plugins": {**plan.plugins, **found}}) if found else plan
 
 
 def _identity(plan: FlightPlan) -> dict[str, Any]:
@@ -103,6 +105,8 @@ def _identity(plan: FlightPlan) -> dict[str, Any]:
 def _unsaid(plan: FlightPlan) -> dict[str, Any]:
     """What is not said of a flight that does without: it is the flight it was before there was such a thing."""
     unsaid: dict[str, Any] = {}
+    if plan.weight == 1.0:
+        unsaid["weight"] = True
     if plan.vary == Vary():
         unsaid["vary"] = True
     if not plan.plugins:
@@ -113,7 +117,7 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
     for name, default in (("planner", PlannerSpec()), ("tracker", TrackerSpec())):
         if getattr(plan, name) == default:
             unsaid[name] = True
-    if plain := {k: {"kind", "options"} for k, spec in enumerate(plan.obstacles) if spec.kind == "straight" and not spec.options}:
+    if plain := {k: names for k, spec in enumerate(plan.obstacles) if (names := _unsaid_of(spec))}:
         unsaid["obstacles"] = plain
     if as_before := {name for name in SAID_LATER if getattr(plan.replan, name) == Replan.model_fields[name].default}:
         unsaid["replan"] = as_before
@@ -122,6 +126,12 @@ def _unsaid(plan: FlightPlan) -> dict[str, Any]:
         if isinstance(section, Pluggable) and name not in ("method", *unsaid) and not section.options:
             unsaid[name] = {"options"}
     return unsaid
+
+
+def _unsaid_of(obstacle: ObstacleSpec) -> set[str]:
+    """The same of an obstacle."""
+    plain = {"kind", "options"} if obstacle.kind == "straight" and not obstacle.options else set()
+    return plain | {name for name in ("appears_at_s", "leaves_at_s") if getattr(obstacle, name) is None}
 
 
 def _short(identity: bytes) -> str:
@@ -145,7 +155,9 @@ def _drawn_replicates(
         name = f"{plan.cell}, replicate {replicate}"
         try:
             if encounter:
-                document = cell_document(campaign, block, cell, Tree({}), encounter(plan.speed_mps, campaign.seed, replicate))
+                met = encounter(plan.speed_mps, campaign.seed, replicate)
+                document = cell_document(campaign, block, cell, Tree({}), met)
+                who = who | {"weight": met.weight, "plugins": {**plan.plugins, **dict(met.files)}}
                 made = FlightPlan.model_validate({**document.data, **who, "replicate": replicate})
             else:
                 made = plan.model_copy(update={"replicate": replicate})
@@ -174,14 +186,17 @@ def suspects(block: Block, cell: Cell) -> Sequence[Assignment]:
     return [*block.set, *assignments_of(cell)]
 
 
-def cell_document(campaign: Campaign, block: Block, cell: Cell, tree: Tree, obstacles: Sequence[dict[str, Any]]) -> Document:
-    """Settings of a cell: the campaign's, the part's, the drawn obstacles, the axes' values, in this order.
+def cell_document(campaign: Campaign, block: Block, cell: Cell, tree: Tree, met: Met | None) -> Document:
+    """Settings of a cell: the campaign's, the part's, those of the encounter, the axes' values, in this order.
 
     Raises ``NoSuchObstacleError``.
     """
     written = {name: getattr(campaign, name) for name in FlightSettings.model_fields if name in campaign.model_fields_set}
     base = Document(written, tree).assign(block.set)
-    return (base.with_obstacles(obstacles) if obstacles else base).assign(assignments_of(cell))
+    if met:
+        base = base.assign([Assignment(path, Tree.plain(value), path, NOWHERE, NOWHERE) for path, value in met.settings])
+        base = base.with_obstacles(met.obstacles)
+    return base.assign(assignments_of(cell))
 
 
 def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree, cells: Iterable[Cell] | None = None) -> Iterator[PlannedCell]:
@@ -189,10 +204,10 @@ def plans_of_cells(campaign: Campaign, block: Block, part: Part, tree: Tree, cel
 
     ``cells``: which; all where none are given.
     """
-    obstacles = part.encounters.placeholders() if part.encounters else []
+    met = Met(tuple(part.encounters.placeholders())) if part.encounters else None
     for cell in block.cells() if cells is None else cells:
         try:
-            document = cell_document(campaign, block, cell, tree, obstacles)
+            document = cell_document(campaign, block, cell, tree, met)
         except NoSuchObstacleError as error:
             at = ("obstacles",)
             yield cell, Document({}, tree, ((at, error.assignment),)), [Fault(at, error.message, error.hint)]

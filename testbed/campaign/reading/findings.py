@@ -15,8 +15,9 @@ from testbed.campaign.reading.expand import plans_of_cells, suspects
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.possible import impossible, unseen
 from testbed.campaign.reading.problems import Problem, SpecError, Spot
-from testbed.campaign.words.grid import Draw, Part
-from testbed.campaign.words.population import OBSTACLE_NAME, Encounters, NoEncounterError
+from testbed.campaign.words.encounters import Meetings
+from testbed.campaign.words.grid import Draw, Grid, Part
+from testbed.campaign.words.population import NoEncounterError
 from testbed.campaign.words.settings import Campaign, FlightPlan, FlightSettings
 
 ENCOUNTERS_TRIED = 500
@@ -78,12 +79,12 @@ def _level(base: Document, known: Collection[Fault], level: Level) -> tuple[Docu
     return document, problems + [found for fault in new if (found := document.problem(fault, level.assignments))]
 
 
-def _encounters(data: dict[str, Any], block: Block) -> Encounters | None:
+def _encounters(data: dict[str, Any], block: Block) -> Meetings | None:
     """Of data that need not be valid. Raises ``ValidationError``."""
     parts = data.get("parts")
     part = parts.get(block.part) if isinstance(parts, dict) else None
     raw = (part.get("encounters") if isinstance(part, dict) else None) or data.get("encounters")
-    return None if raw is None else Encounters.model_validate(raw)
+    return None if raw is None else Grid.model_validate({"encounters": raw}).encounters
 
 
 def combination_problems(campaign: Campaign, tree: Tree, blocks: Sequence[Block]) -> list[Problem]:
@@ -115,7 +116,7 @@ def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part, most: in
             for problem in _of_draws(part.draw, block, document, plan):
                 found.setdefault(problem.path, problem)
         elif part.encounters and any(fault.message.startswith("obstacle names must differ") for fault in plan):
-            return [Problem(*block.key("encounters"), f"draw the obstacle '{OBSTACLE_NAME}', and obstacles has one of that name")]
+            return [Problem(*block.key("encounters"), f"draw the obstacle '{_twice(plan)}', and obstacles has one of that name")]
         else:
             found = {fault: document.problem(fault, suspects(block, cell)) for fault in plan if fault not in problems}
         for key, one in found.items():
@@ -124,10 +125,16 @@ def _of_cells(campaign: Campaign, tree: Tree, block: Block, part: Part, most: in
     return [*problems.values(), *_of_encounters(campaign, block, part, list(speeds))]
 
 
+def _twice(faults: Sequence[Fault]) -> str:
+    """The name that two obstacles have, of the fault that lists all names."""
+    names = next(fault.message for fault in faults if fault.message.startswith("obstacle names must differ")).partition(": ")[2].split(", ")
+    return next(name for name in names if names.count(name) > 1)
+
+
 def _amiss(plan: FlightPlan, part: Part | None = None) -> list[Fault]:
     """What keeps a plan from being flown, by its aircraft or by anybody. Raises ``SpecError`` when the aircraft's files are wrong."""
     found = [*unfit(plan), *impossible(plan)]
-    if part and part.encounters and not found and (why := unseen(plan, part.encounters.radius_m[1])):
+    if part and part.encounters and not found and (why := unseen(plan, part.encounters.largest_m)):
         found = [Fault(("encounters", "radius_m"), why)]
     return found
 
@@ -164,7 +171,7 @@ def _of_encounters(campaign: Campaign, block: Block, part: Part, speeds: Sequenc
     try:
         for speed in speeds:
             for replicate in range(min(part.replicates or 1, ENCOUNTERS_TRIED)):
-                part.encounters.drawn(speed, campaign.seed, replicate)
+                part.encounters.met(speed, campaign.seed, replicate)
     except NoEncounterError as error:
         return [Problem(*block.key("encounters"), str(error))]
     return []

@@ -12,7 +12,7 @@ from testbed.campaign.reading.nodes import Tree, parse, read_text
 from testbed.campaign.reading.problems import Problem, Source, SpecError, Spot
 from testbed.campaign.reading.vocabulary import path_fault
 from testbed.campaign.words.settings import Campaign
-from testbed.core import plugins
+from testbed.core import datafiles, plugins
 
 STORED_PLUGINS = "plugins"
 """Folder of a run directory in which the campaign's plug-ins are stored."""
@@ -26,6 +26,11 @@ def load_campaign(path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
 
     Raises ``SpecError`` with every problem of the file, of the overrides and of every cell of the sweep.
     """
+    with datafiles.beside(Path(path).parent):
+        return _loaded(path, overrides)
+
+
+def _loaded(path: str | Path, overrides: Sequence[str]) -> Campaign:
     tree, problems = parse(read_text(Path(path)))
     if not isinstance(tree.value, dict):
         if tree.value is None and not problems:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from testbed.campaign.words.population import Encounters
+from testbed.campaign.words.encounters import Meetings
 from testbed.core.section import Number, Section, Whole
 
 PART = "part"
@@ -76,8 +76,8 @@ class Grid(Section):
 
     draw: dict[str, Draw] = {}  # noqa: RUF012 (pydantic copies it)
     """Settings that are drawn for each replicate but the first, which has them as written: dotted path to how."""
-    encounters: Encounters | None = None
-    """One encounter for each replicate, drawn: the obstacle O beside those that are named."""
+    encounters: Meetings | None = None
+    """One encounter for each replicate: the obstacle O, or O1, O2, ..., beside those that are named."""
     skip: tuple[Skip, ...] = ()
     """Cells that are not flown: those that have, for every axis of an entry, the label given there or one of them."""
     sweep: Sweep = {}  # noqa: RUF012 (pydantic copies it)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -61,12 +61,40 @@ def draws(seed: int, replicate: int, speed_mps: tuple[float, float], radius_m: t
         yield Draw(speed, direction, radius, radius * math.sqrt(share), math.tau * around)
 
 
+class Met(NamedTuple):
+    """What one replicate meets: obstacles as a YAML would say them, what the encounter counts, and settings of the flight that go with
+    it, dotted path to value.
+    """
+
+    obstacles: tuple[dict[str, Any], ...]
+    weight: float = 1.0
+    settings: tuple[tuple[str, Any], ...] = ()
+    files: tuple[tuple[str, str], ...] = ()  # data files that it comes from, each with its SHA-256
+
+
+def named(k: int | None) -> str:
+    """What the drawn obstacle of that number is called, of several."""
+    return OBSTACLE_NAME if k is None else f"{OBSTACLE_NAME}{k}"
+
+
+def obstacle(name: str, radius_m: float, position: Point, speed_mps: float, direction: Direction, own_at_enu_m: Point) -> dict[str, Any]:
+    """One on a straight line, there when the plan has the aircraft at a point."""
+    return {
+        "name": name,
+        "radius_m": float(radius_m),
+        "position_enu_m": position,
+        "speed_mps": float(speed_mps),
+        "direction_deg": direction,
+        "when": {"own_reaches_enu_m": own_at_enu_m},
+    }
+
+
 class NoEncounterError(Exception):
     """What is asked for does not occur, or hardly ever."""
 
-    def __init__(self) -> None:
+    def __init__(self, why: str = "") -> None:
         super().__init__(
-            f"none of {MOST_DRAWS:,} draws is an encounter that begins outside of the sphere and comes closest within longest_s"
+            why or f"none of {MOST_DRAWS:,} draws is an encounter that begins outside of the sphere and comes closest within longest_s"
         )
 
 
@@ -99,6 +127,7 @@ class Encounters(Section):
     rarer than directions even on the sphere would have it.
     """
 
+    kind: Literal["drawn"] = "drawn"
     own_at_enu_m: Point
     """Where the plan has the aircraft when the encounter begins, on the route: [east, north, up], m."""
     own_direction_deg: Direction
@@ -132,10 +161,24 @@ class Encounters(Section):
             raise ValueError(f"trigger.time_to_cpa_s must be at most longest_s = {self.longest_s:g} s")
         return self
 
+    @property
+    def weighted(self) -> bool:
+        """Whether some encounters stand for more than others."""
+        return False
+
+    @property
+    def largest_m(self) -> float:
+        """Radius of the largest sphere."""
+        return self.radius_m[1]
+
     def placeholders(self) -> list[dict[str, Any]]:
         """Obstacles of the population's kind, for checks that need some and not which."""
         one = (self.radius_m[0], self.own_at_enu_m, self.obstacle_speed_mps[0], self.own_direction_deg)
         return [self._obstacle(k, *one) for k in range(self.count)]
+
+    def met(self, own_speed_mps: float, seed: int, replicate: int) -> Met:
+        """The encounter of one replicate. Raises ``NoEncounterError``."""
+        return Met(self.drawn(own_speed_mps, seed, replicate))
 
     def drawn(self, own_speed_mps: float, seed: int, replicate: int) -> tuple[dict[str, Any], ...]:
         """The obstacles of one replicate, as a YAML would say them. Raises ``NoEncounterError``."""
@@ -169,14 +212,7 @@ class Encounters(Section):
         return math.sqrt((self.trigger.range_m or 0.0) ** 2 - miss_m**2) / closing_mps if closing_mps > 0.0 else math.inf
 
     def _obstacle(self, k: int, radius_m: float, position: Point, speed_mps: float, direction: Direction) -> dict[str, Any]:
-        return {
-            "name": f"{OBSTACLE_NAME}{k + 1}" if k else OBSTACLE_NAME,
-            "radius_m": float(radius_m),
-            "position_enu_m": position,
-            "speed_mps": float(speed_mps),
-            "direction_deg": direction,
-            "when": {"own_reaches_enu_m": self.own_at_enu_m},
-        }
+        return obstacle(named(k + 1 if k else None), radius_m, position, speed_mps, direction, self.own_at_enu_m)
 
 
 def perpendicular(vector: np.ndarray, angle: float) -> np.ndarray:

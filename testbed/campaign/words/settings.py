@@ -15,6 +15,7 @@ from testbed.campaign.words.check import Check
 from testbed.campaign.words.daa import Daa, Stop
 from testbed.campaign.words.grid import Grid, Part, Replicates, Stored
 from testbed.campaign.words.limits import Limits
+from testbed.campaign.words.obstacles import ObstacleSpec, names_differ
 from testbed.campaign.words.planning import MethodSpec, PlannerSpec, Replan, Sensor, TrackerSpec
 from testbed.campaign.words.pluggable import Pluggable
 from testbed.campaign.words.route import Route
@@ -22,22 +23,15 @@ from testbed.campaign.words.study import StudySpec
 from testbed.core.catalogue import aircraft_folders
 from testbed.core.section import (
     Between,
-    Direction,
     Distance,
     Height,
-    Instant,
     Name,
     NonNegative,
     Number,
-    Point,
     Positive,
-    Radius,
     Section,
-    TrafficSpeed,
     Whole,
 )
-
-MOST_OBSTACLES = 1000
 
 
 def _known(what: str, name: str, known: Iterable[str]) -> str:
@@ -46,15 +40,6 @@ def _known(what: str, name: str, known: Iterable[str]) -> str:
         context = {"what": what, "name": name, "listing": ", ".join(names) or "none"}
         raise PydanticCustomError("unknown_name", "no {what} '{name}'; there are: {listing}", context)
     return name
-
-
-def _names_differ(obstacles: "tuple[ObstacleSpec, ...]") -> "tuple[ObstacleSpec, ...]":
-    if len(obstacles) > MOST_OBSTACLES:
-        raise ValueError(f"{len(obstacles):,} obstacles; at most {MOST_OBSTACLES:,}, which a planner can look at in time")
-    names = [obstacle.name for obstacle in obstacles]
-    if len(set(names)) != len(names):
-        raise ValueError(f"obstacle names must differ: {', '.join(names)}")
-    return obstacles
 
 
 Aircraft = Annotated[str, AfterValidator(lambda name: _known("aircraft", name, aircraft_folders()))]
@@ -73,47 +58,6 @@ class Begin(Section):
         if (self.at_route_s_m is None) == (self.climb_at_most_deg is None):
             raise ValueError("give exactly one of at_route_s_m and climb_at_most_deg")
         return self
-
-
-class When(Section):
-    """The instant at which an obstacle is at its ``position_enu_m``: a time, or when the plan has the aircraft at a point."""
-
-    time_s: Instant | None = None
-    """Time after the flight begins, s."""
-    own_reaches_enu_m: Point | None = None
-    """When the plan without obstacles has the aircraft nearest to this point: [east, north, up], m."""
-
-    @model_validator(mode="after")
-    def _one_of(self) -> "When":
-        if (self.time_s is None) == (self.own_reaches_enu_m is None):
-            raise ValueError("give exactly one of time_s and own_reaches_enu_m")
-        return self
-
-
-class ObstacleSpec(Pluggable):
-    """A sphere that moves along a track."""
-
-    family = "traffic"
-    role, needs = "a track", ("at", "sampled")
-
-    kind: str = "straight"
-    """straight: on a straight line at a constant speed. `file:name` is a track of a plug-in, which starts from what stands here."""
-    name: Name
-    """Short name: letters, digits, _ and -. A sweep addresses the obstacle by it."""
-    radius_m: Radius
-    """The sphere's radius, m."""
-    position_enu_m: Point
-    """The centre at the instant `when`: [east, north, up], m."""
-    speed_mps: TrafficSpeed
-    """Speed over the ground, m/s."""
-    direction_deg: Direction
-    """Direction of flight: [azimuth counter-clockwise from east, elevation up], deg."""
-    when: When = When(time_s=0.0)
-    """The instant at which the obstacle is at position_enu_m."""
-
-    def __hash__(self) -> int:
-        """Equal obstacles have equal numbers; their options, which a dict holds, have none."""
-        return hash((self.name, self.kind, self.radius_m, self.position_enu_m, self.speed_mps, self.direction_deg))
 
 
 class PlantSpec(Pluggable):
@@ -202,7 +146,7 @@ class FlightSettings(Section):
     """Height of the flat ground in the ENU frame, m."""
     begin: Begin = Begin(at_route_s_m=0.0)
     """Where on the route the flight starts."""
-    obstacles: Annotated[tuple[ObstacleSpec, ...], AfterValidator(_names_differ)] = ()
+    obstacles: Annotated[tuple[ObstacleSpec, ...], AfterValidator(names_differ)] = ()
     """Moving spheres."""
     traffic: Traffic = Traffic()
     """How obstacles take part in the wind."""
@@ -285,8 +229,11 @@ class FlightPlan(FlightSettings):
     """Axis of the sweep to the label of its value."""
     replicate: int
     seed: int
+    weight: float = 1.0
+    """What the flight's encounter counts where some are drawn more often than they occur."""
     plugins: dict[str, str] = {}  # noqa: RUF012 (pydantic copies it)
-    """Where parts come from that are not built in: plug-in to the SHA-256 of its file, distribution to its version."""
+    """Where parts come from that are not built in: plug-in to the SHA-256 of its file, distribution to its version; and data files of
+    tracks, each to its SHA-256."""
 
     @property
     def avoids_by(self) -> str:

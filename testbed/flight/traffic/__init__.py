@@ -4,4 +4,9 @@ from testbed.flight.traffic.track import Body, Sampled, Track, TrackSetting, Tra
 
 __all__ = ["TRACKS", "Body", "Sampled", "Track", "TrackSetting", "Traffic"]
 
-TRACKS = {"straight": "testbed.flight.traffic.straight:make_track"}
+TRACKS = {
+    "straight": "testbed.flight.traffic.straight:make_track",
+    "legs": "testbed.flight.traffic.legs:Legs",
+    "waypoints": "testbed.flight.traffic.waypoints:Waypoints",
+    "file": "testbed.flight.traffic.file:Recorded",
+}

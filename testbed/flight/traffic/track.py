@@ -1,6 +1,9 @@
 """The obstacles as they truly are: spheres on tracks of any kind, and how close a flight came to them."""
 
+import math
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -46,8 +49,31 @@ class Track(Protocol):
         """The same at times (n,), as arrays (n,3); rows of NaN while it is not there."""
 
 
+class Frame(NamedTuple):
+    """From the frame that a campaign is written in to the one that is flown, which ``geometry: level`` turns about the route's start."""
+
+    start: Array
+    turn: Array
+
+    def place(self, point: Vec3 | Array) -> Array:
+        """A point (3,) there."""
+        return np.asarray(self.start + self.turn @ (np.asarray(point) - self.start))
+
+    def places(self, points: Array) -> Array:
+        """Points (n,3) there."""
+        return np.asarray(self.start + (points - self.start) @ self.turn.T)
+
+
+AS_WRITTEN = Frame(np.zeros(3), np.eye(3))
+NOWHERE: Vec3 = (np.nan, np.nan, np.nan)
+NO_FILES: Mapping[str, str] = MappingProxyType({})
+
+
 class TrackSetting(NamedTuple):
-    """What a track is made with: the obstacle of the campaign in numbers, in the frame that is flown."""
+    """What a track is made with: the obstacle of the campaign in numbers, in the frame that is flown.
+
+    A kind that does without a place, a speed or a direction gets NaN where the campaign gives none.
+    """
 
     name: str
     radius_m: float
@@ -55,6 +81,10 @@ class TrackSetting(NamedTuple):
     vel: Vec3  # its velocity over the ground then, m/s
     time_s: float
     random: np.random.Generator  # a stream of this obstacle's own, the same for every method, plant and aircraft
+    speed_mps: float = 0.0
+    frame: Frame = AS_WRITTEN  # for places that are among a kind's options
+    until_s: float = math.inf  # nobody asks for a time before 0 and ``time_s``, or after this and ``time_s``
+    files: Mapping[str, str] = NO_FILES  # the plan's: name of a data file to the SHA-256 that it must have
 
 
 class Traffic(NamedTuple):
@@ -107,6 +137,25 @@ class Shifted(Sampled):
     def sampled(self, time_s: Array) -> tuple[Array, Array]:
         pos, vel = self._track.sampled(time_s)
         return pos + self._offset + np.outer(time_s - self._time_s, self._carried), vel + self._carried
+
+
+class Present:
+    """A track of an obstacle that appears and leaves; where it would be meanwhile it does not say."""
+
+    def __init__(self, track: Track, from_s: float | None, to_s: float | None) -> None:
+        self.name, self.radius_m = track.name, track.radius_m
+        self._at, self._sampled = track.at, track.sampled
+        self._from_s, self._to_s = -math.inf if from_s is None else from_s, math.inf if to_s is None else to_s
+
+    def at(self, time_s: float) -> tuple[Vec3, Vec3] | None:
+        """See ``Track``."""
+        return self._at(time_s) if self._from_s <= time_s <= self._to_s else None
+
+    def sampled(self, time_s: Array) -> tuple[Array, Array]:
+        """See ``Track``."""
+        away = (time_s < self._from_s) | (time_s > self._to_s)
+        pos, vel = self._sampled(time_s)
+        return np.where(away[:, None], np.nan, pos), np.where(away[:, None], np.nan, vel)
 
 
 class Approach(NamedTuple):

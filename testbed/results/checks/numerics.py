@@ -59,7 +59,7 @@ def closest_of_lines(flight: Flown) -> tuple[float, float]:
     """Clearance (m) and time (s) of the closest approach, from the plan alone: positions at time 0 and velocities."""
     plan = flight.plan
     (obstacle,) = plan.obstacles
-    if obstacle.when.time_s is None:
+    if obstacle.when.time_s is None or obstacle.position_enu_m is None or obstacle.speed_mps is None or obstacle.direction_deg is None:
         return math.nan, math.nan
     velocity = obstacle.speed_mps * np.array(unit_from_direction(*obstacle.direction_deg))
     own_velocity = plan.speed_mps * np.array(unit_from_direction(*plan.route.start_direction_deg))

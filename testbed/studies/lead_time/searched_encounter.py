@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from testbed.campaign.words.obstacles import ObstacleSpec, When
 from testbed.campaign.words.population import MOST_DRAWS, OBSTACLE_NAME, draws, perpendicular
-from testbed.campaign.words.settings import FlightPlan, ObstacleSpec, When
+from testbed.campaign.words.settings import FlightPlan
 from testbed.campaign.words.study import StudySpec
 from testbed.core.frames import direction_deg, unit_from_direction, vec3
 from testbed.studies.lead_time.options import LeadTime
