@@ -57,7 +57,8 @@ def _sizes(of: Sequence[Shown]) -> Array:
 
 
 _MOST, MOST_OF_A_ROW = _sizes(SHOWN), _sizes(OBSTACLE)
-_ENDS = np.cumsum([one.size for one in SHOWN])[:-1].tolist()
+_ENDS = np.cumsum([one.size for one in SHOWN]).tolist()
+_PARTS = [(one.name, slice(end - one.size, end)) for one, end in zip(SHOWN, _ENDS, strict=True)]
 
 
 class Observer:
@@ -112,8 +113,7 @@ def nothing_to_see(rows: int) -> Observation:
 
 def _named(numbers: Array) -> Observation:
     """What is shown beside the obstacles, by name."""
-    parts = np.split(numbers, _ENDS)
-    return {one.name: part for one, part in zip(SHOWN, parts, strict=True)}
+    return {name: numbers[part] for name, part in _PARTS}
 
 
 def _aside(off: Vec3, tangent: Vec3) -> tuple[float, float]:
