@@ -14,6 +14,7 @@ from gymnasium import spaces
 from testbed.campaign.words.planning import PlannerSpec
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core.frames import Vec3
+from testbed.core.utf8 import shortened
 from testbed.flight.fly import flown
 from testbed.flight.planning.outside import OUTSIDE, Always, Asked, AskingPlanner, WhenThreatened
 from testbed.flight.planning.steering import Steer
@@ -129,7 +130,8 @@ class FlightEnv(gymnasium.Env[Observation, Array]):
         except (TypeError, ValueError):
             numbers = np.empty(0)
         if numbers.shape != (3,) or not np.isfinite(numbers).all():
-            raise ValueError(f"a command is an array of 3 finite numbers ({self._kind}, ENU, {unit}), not {action!r}")
+            given = shortened(" ".join(repr(action).split()))
+            raise ValueError(f"a command is an array of 3 finite numbers ({self._kind}, ENU, {unit}), not {given}")
         x, y, z = numbers.tolist()
         if self._kind == "velocity" and x == y == z == 0.0:
             raise ValueError("a velocity of zero has no direction to fly in")
