@@ -51,6 +51,14 @@ def flown_on(env: Any, command: Any) -> tuple[Any, ...]:
             return tuple(step)
 
 
+def flown_on_all(both: Any, commands: Any) -> tuple[Any, ...]:
+    """The step with which the first of several ends."""
+    while True:
+        step = both.step(commands)
+        if step[2].any() or step[3].any():
+            return tuple(step)
+
+
 @pytest.mark.parametrize("plant", PLANTS)
 def test_the_commands_that_a_law_gave_in_a_flight_fly_it_again_to_the_last_bit(plant: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a wind with gusts, and with an obstacle that is drawn: replicate 1 of the campaign is what the seed 1 begins."""
@@ -172,6 +180,24 @@ def test_gymnasium_finds_nothing_wrong(how: dict[str, Any]) -> None:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*recommend using a symmetric and normalized space")  # it has units
         check_env(env, skip_render_check=True)
+
+
+def test_what_gymnasium_wraps_it_with_works_as_the_page_says() -> None:
+    """One vector, actions without units, and two at a time, of which each says how it ended."""
+
+    def made() -> Any:
+        plain = make_env(straight(route=STRAIGHT | {"goal_enu_m": [60, 0, 0]}), asks="always")
+        return gymnasium.wrappers.RescaleAction(gymnasium.wrappers.FlattenObservation(plain), -1.0, 1.0)
+
+    both = gymnasium.vector.SyncVectorEnv([made, made])
+    shown, _ = both.reset(seed=[0, 1])
+    assert shown.shape == (2, sum(one.size for one in (*SHOWN, *OBSTACLE)))
+    _, rewards, ended, _, info = flown_on_all(both, np.array([[0.0, 0.2, 0.0], [0.0, -0.2, 0.0]]))
+    assert (rewards.tolist(), ended.tolist()) == ([1.0, 1.0], [True, True])
+    assert info["row"]["outcome"].tolist() == ["reached", "reached"]
+    aside_m = 0.2 * 25.0 * (60 / 50) ** 2 / 2  # a fifth of 25 m/s^2 for the 1.2 s that it takes, to either side
+    assert info["row"]["cross_track_max_m"].tolist() == pytest.approx([aside_m, aside_m], rel=0.05)
+    both.close()
 
 
 @pytest.mark.parametrize(
