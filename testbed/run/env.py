@@ -16,6 +16,7 @@ from testbed.campaign.words.settings import FlightPlan
 from testbed.core.frames import Vec3
 from testbed.core.utf8 import shortened
 from testbed.flight.fly import flown
+from testbed.flight.planning.context import STILL
 from testbed.flight.planning.outside import OUTSIDE, Always, Asked, AskingPlanner, WhenThreatened
 from testbed.flight.planning.steering import Steer
 from testbed.flight.record import LOST, FlightRecord, Outcome
@@ -24,6 +25,7 @@ from testbed.results.metrics import measure
 from testbed.results.tables import table
 from testbed.run.job import row_of
 from testbed.run.observation import MOST_OF_A_ROW, SHOWN, Array, Observation, Observer, nothing_to_see
+from vosc.vec import LARGEST, unit
 
 CommandKind = Literal["acceleration", "velocity"]
 Asks = Literal["when_threatened", "always"]
@@ -107,14 +109,14 @@ class FlightEnv(gymnasium.Env[Observation, Array]):
         except StopIteration as end:
             self._flown, self.record = True, _as_flown(end.value)
             observer = self._observing()
-            self._shown = observer.end(end.value, self._seen) if observer else nothing_to_see(self._rows)
+            self._shown = observer.end(end.value, self._seen, self._planner.left_s_m) if observer else nothing_to_see(self._rows)
         except BaseException:
             self._flying = None
             raise
         else:
             observer, self._seen = self._observing(), asked.seen
             assert observer is not None, "who asks has been told a context"
-            self._shown = observer.look(*asked)
+            self._shown = observer.look(*asked, self._planner.left_s_m)
 
     def _observing(self) -> Observer | None:
         """Who looks for this flight; nobody where it could not begin."""
@@ -124,16 +126,18 @@ class FlightEnv(gymnasium.Env[Observation, Array]):
 
     def _checked(self, action: Any) -> Vec3:
         """The action as three finite numbers. Raises ``ValueError`` in a sentence; what is beyond the space's bounds is flown as well."""
-        unit = "m/s^2" if self._kind == "acceleration" else "of any length above 0"
+        measure_of = "m/s^2" if self._kind == "acceleration" else "of any length above 0"
         try:
             numbers = np.asarray(action, dtype=np.float64)
         except (TypeError, ValueError):
             numbers = np.empty(0)
-        if numbers.shape != (3,) or not np.isfinite(numbers).all():
+        if numbers.shape != (3,) or not (np.abs(numbers) <= LARGEST).all():  # which a NaN is not either
             given = shortened(" ".join(repr(action).split()))
-            raise ValueError(f"a command is an array of 3 finite numbers ({self._kind}, ENU, {unit}), not {given}")
+            raise ValueError(
+                f"a command is an array of 3 finite numbers below {LARGEST:g} in size ({self._kind}, ENU, {measure_of}), not {given}"
+            )
         x, y, z = numbers.tolist()
-        if self._kind == "velocity" and x == y == z == 0.0:
+        if self._kind == "velocity" and unit((x, y, z)) == STILL:
             raise ValueError("a velocity of zero has no direction to fly in")
         return x, y, z
 

@@ -13,7 +13,7 @@ from testbed.core.frames import Vec3
 from testbed.flight.planning.context import STILL, Context
 from testbed.flight.planning.outside import abeam
 from testbed.flight.plants.base import State
-from testbed.flight.record import FlightRecord
+from testbed.flight.record import FlightRecord, Outcome
 from testbed.flight.sensing.base import Seen
 from vosc.vec import dot, sub
 
@@ -39,7 +39,7 @@ SHOWN: Final = (
     Shown("own_load_factor", 1, 1e3, "load factor, 1 in level flight"),
     Shown("own_airspeed_mps", 1, FAST_MPS, "true airspeed"),
     Shown("wind_known_enu_mps", 3, FAST_MPS, "velocity of the air over the ground, as the planner has it"),
-    Shown("route_left_m", 1, FAR_M, "how far the route's goal is along the route"),
+    Shown("route_remaining_m", 1, FAR_M, "how far the route's goal is along the route"),
     Shown("route_error_m", 2, FAR_M, "how far the aircraft is off the route: to the left of it, above it"),
     Shown("route_direction_enu", 3, 1.0, "unit vector along the route there"),
 )
@@ -66,10 +66,12 @@ class Observer:
 
     def __init__(self, context: Context, rows: int) -> None:
         self._context, self._rows = context, rows
-        self._s_m = context.begin_s_m
+        self._s_m = self._left_s_m = context.begin_s_m
 
-    def look(self, time_s: float, state: State, seen: Sequence[Seen]) -> Observation:
-        """What is to be seen then; called in the order of time."""
+    def look(self, time_s: float, state: State, seen: Sequence[Seen], left_s_m: float) -> Observation:
+        """What is to be seen then; called in the order of time. ``left_s_m``: where the flight last left the route."""
+        if left_s_m != self._left_s_m:  # it flew on along the route meanwhile, and nobody looked
+            self._left_s_m, self._s_m = left_s_m, max(self._s_m, left_s_m)
         pos, route = (state.x, state.y, state.z), self._context.route
         finite = all(map(math.isfinite, pos))
         if finite:
@@ -87,7 +89,7 @@ class Observer:
         )
         return _named(_bounded(shown, _MOST)) | {"obstacles": self._obstacles(time_s, pos, seen)}
 
-    def end(self, record: FlightRecord, seen: Sequence[Seen]) -> Observation:
+    def end(self, record: FlightRecord, seen: Sequence[Seen], left_s_m: float) -> Observation:
         """The last instant of a flight; obstacles as they were last seen, carried straight on."""
         columns = record.columns
         if not len(columns["time_s"]):
@@ -96,7 +98,8 @@ class Observer:
         angles = [last[f"own.{name}"] for name in ("bank_rad", "pitch_rad", "heading_rad", "load_factor", "airspeed_mps")]
         known = [*last["own.pos_enu_m"], *last["own.vel_enu_mps"], *angles]
         state = State._make(known + [math.nan] * (len(State._fields) - len(known)))
-        return self.look(last["time_s"], state, seen)
+        at_goal = record.outcome is Outcome.REACHED
+        return self.look(last["time_s"], state, seen, self._context.route.length_m if at_goal else left_s_m)
 
     def _obstacles(self, time_s: float, pos: Vec3, seen: Sequence[Seen]) -> Array:
         rows = np.zeros((self._rows, MOST_OF_A_ROW.size))

@@ -16,6 +16,7 @@ import testbed.run
 from testbed import expand, fly, load_campaign, make_env, measure
 from testbed.campaign.words.settings import Campaign
 from testbed.flight.laws.proportional_navigation import ProportionalNavigation
+from testbed.flight.planning.steering import FROM_OUTSIDE
 from testbed.flight.record import Decision, FlightRecord, Outcome
 from testbed.results.columns import COLUMNS
 from testbed.run.observation import OBSTACLE, SHOWN
@@ -161,7 +162,7 @@ def test_a_course_is_flown_round_by_what_is_seen_of_the_route() -> None:
     circle = {"start_enu_m": [0, 0, 0], "start_direction_deg": [0, 0], "shape": {"kind": "circle", "radius_m": 60, "turns": 1}}
     env = make_env(straight(route=circle), command="velocity", asks="always")
     shown, _ = env.reset(seed=0)
-    length_m, errors, ended = float(shown["route_left_m"][0]), [], False
+    length_m, errors, ended = float(shown["route_remaining_m"][0]), [], False
     assert length_m == pytest.approx(2 * np.pi * 60, rel=1e-3)
     while not ended:
         shown, reward, ended, _, info = env.step(shown["route_direction_enu"])
@@ -172,6 +173,20 @@ def test_a_course_is_flown_round_by_what_is_seen_of_the_route() -> None:
     assert right_m[-1] == pytest.approx(len(errors) * right_m[0], rel=0.1), "as much each time, outwards"
     assert len(errors) == pytest.approx(60 / 50 * (length_m + 2 * np.pi * right_m.mean()), abs=2), "once round"
     assert np.abs(above_m).max() < 1e-6
+
+
+def test_after_laps_it_is_still_known_where_on_the_route_it_is() -> None:
+    """Two and a half laps of a circle are flown before the first threat, which stands on the far side and appears late."""
+    circle = {"start_enu_m": [0, 0, 0], "start_direction_deg": [0, 0], "shape": {"kind": "circle", "radius_m": 100, "turns": 4}}
+    crossing = {"name": "O", "radius_m": 10, "position_enu_m": [0, 200, 0], "speed_mps": 200, "direction_deg": [90, 0]}
+    lapped_s = 2.5 * 2 * np.pi * 100 / 50
+    asked = campaign(
+        route=circle, obstacles=[crossing | {"when": {"time_s": lapped_s}}], sensor={"range_m": 150}, replan={"rejoin": {"to": "route"}}
+    )
+    shown, _ = make_env(asked).reset(seed=0)
+    assert shown["time_s"] == pytest.approx(lapped_s, abs=1.0)
+    assert shown["route_remaining_m"] == pytest.approx(4 * 2 * np.pi * 100 - 50 * shown["time_s"], abs=0.5)
+    assert np.abs(shown["route_error_m"]).max() < 0.1
 
 
 @pytest.mark.parametrize("how", [{"asks": "when_threatened"}, {"asks": "always", "command": "velocity"}])
@@ -203,8 +218,9 @@ def test_what_gymnasium_wraps_it_with_works_as_the_page_says() -> None:
 @pytest.mark.parametrize(
     ("kind", "command", "why"),
     [
-        ("acceleration", [1.0, np.nan, 0.0], "3 finite numbers (acceleration, ENU, m/s^2)"),
+        ("acceleration", [1.0, np.nan, 0.0], "3 finite numbers below 1e+30 in size (acceleration, ENU, m/s^2)"),
         ("acceleration", [1.0, np.inf, 0.0], "3 finite numbers"),
+        ("acceleration", [1.0, 1e300, 0.0], "3 finite numbers"),
         ("acceleration", [1.0, 2.0], "3 finite numbers"),
         ("acceleration", np.zeros((3, 1)), "3 finite numbers"),
         ("acceleration", "left", "3 finite numbers"),
@@ -299,6 +315,9 @@ def test_what_cannot_be_stepped_is_refused_in_a_sentence(monkeypatch: pytest.Mon
     ):
         with pytest.raises(ValueError, match=message):
             make_env(asked, **how)  # type: ignore[arg-type]
+    monkeypatch.setattr(ProportionalNavigation, "steer", lambda *_: (None, FROM_OUTSIDE))
+    with pytest.raises(ValueError, match=r"takes commands from outside, which testbed\.make_env asks for"):
+        fly(expand(campaign(method={"kind": "proportional_navigation"}))[0])
     monkeypatch.setitem(sys.modules, "gymnasium", None)
     monkeypatch.delitem(sys.modules, "testbed.run.env")
     monkeypatch.delattr(testbed.run, "env")

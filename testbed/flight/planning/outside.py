@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 
 from testbed.core.chain import Chain
 from testbed.core.frames import Vec3
-from testbed.flight.planning.context import Context, Method, Pending, Planner, Step
+from testbed.flight.planning.context import Answer, Context, Method, Pending, Planner, Step
 from testbed.flight.planning.replan import Memory, Replanner
 from testbed.flight.planning.steering import FROM_OUTSIDE, Steer
 from testbed.flight.plants.base import State
@@ -21,6 +21,7 @@ from vosc.vec import dot, sub
 OUTSIDE = "outside"
 """What such a flight names as its method."""
 LEAST_AHEAD_M = 100.0  # of a path for one step: more than a step, and less than where a flight looks whether it is at its goal
+MOST_STEPS, NEAR_M = 10, 1e-3  # of Newton; the last of them leaves a thousandth of what it was
 SHARPEST = 0.2  # of a step along the route: nearer to a bend's centre than this the nearest point runs away
 
 
@@ -36,6 +37,8 @@ class AskingPlanner(Planner, Protocol):
     """A planner of whose context somebody outside may know, once it has one: a flight that cannot begin tells its planner nothing."""
 
     context: Context | None
+    left_s_m: float
+    """Arc length at which the flight last left the route."""
 
 
 class AskingLaw:
@@ -52,10 +55,16 @@ class WhenThreatened(Replanner):
     """The planner that asks methods, with ``AskingLaw`` for the method of the plan. It leaves the path and comes back as for any law."""
 
     context: Context | None = None
+    left_s_m = 0.0
 
     def start(self, context: Context) -> Memory:
         self.context = told = replace(context, method=Method(OUTSIDE, AskingLaw, {}))
         return super().start(told)
+
+    def step(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float) -> Answer:
+        answer = super().step(memory, time_s, state, seen, path, s_m)
+        self.left_s_m = answer[0].left_s_m
+        return answer
 
 
 class Always:
@@ -65,10 +74,10 @@ class Always:
     """
 
     context: Context | None = None
-    slowest_s = 0.0
+    left_s_m = slowest_s = 0.0
 
     def start(self, context: Context) -> float:
-        self.context, self._route = context, context.route
+        self.context, self._route, self.left_s_m = context, context.route, context.begin_s_m
         return context.begin_s_m
 
     def step(self, memory: float, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float) -> Step:  # noqa: ARG002
@@ -77,9 +86,12 @@ class Always:
 
 
 def abeam(route: Chain, s_m: float, pos: Vec3) -> float:
-    """Arc length of the place of a route that is abeam, from one nearby: two of Newton's steps, on the straight beyond either end."""
-    for _ in range(2):
+    """Arc length of the place of a route that is abeam, from one nearby, by Newton's steps; on the straight beyond either end."""
+    for _ in range(MOST_STEPS):
         point, tangent, curvature = route.frame(s_m)
         off = sub(pos, point)
-        s_m += dot(off, tangent) / max(SHARPEST, 1.0 - dot(off, curvature))
+        on_m = dot(off, tangent) / max(SHARPEST, 1.0 - dot(off, curvature))
+        s_m += on_m
+        if abs(on_m) < NEAR_M:
+            break
     return s_m
