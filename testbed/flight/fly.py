@@ -81,9 +81,9 @@ def flown(
     memories = (blocks.sensor.start(sensor_context(plan)), blocks.planner.start(make_context(plan, scene, aircraft)))
     ready = clock()
     outcome, message = yield from _loop(plan, scene, path, blocks, memories, log, until(scene) if until else None)
-    flown = clock()
+    landed = clock()
     return finish(
-        log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": flown - ready, "answer_s": blocks.planner.slowest_s}, plant
+        log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": landed - ready, "answer_s": blocks.planner.slowest_s}, plant
     )
 
 
