@@ -6,6 +6,9 @@ print(plan.cell, measure(fly(plan)).least_clearance_m)
 
 from testbed import open_run
 open_run("reports/runs/smoke").results  # one row a flight, a pandas table
+
+from testbed import make_env
+env = make_env("campaigns/smoke.yaml", cell="jsbsim/scoam")  # reset(seed), step(command): docs/stepping.md
 """
 
 from typing import TYPE_CHECKING, Any
@@ -15,13 +18,15 @@ if TYPE_CHECKING:
     from testbed.flight.fly import fly
     from testbed.results.metrics import measure
     from testbed.run.opened import open_run
+    from testbed.run.stepping import make_env
 
-__all__ = ["expand", "fly", "load_campaign", "measure", "open_run"]
+__all__ = ["expand", "fly", "load_campaign", "make_env", "measure", "open_run"]
 _HOME = {
     "fly": "testbed.flight.fly",
     "measure": "testbed.results.metrics",
     "expand": "testbed.campaign",
     "load_campaign": "testbed.campaign",
+    "make_env": "testbed.run.stepping",
     "open_run": "testbed.run.opened",
 }
 

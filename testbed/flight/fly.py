@@ -8,7 +8,7 @@ plant, planner or sensor it has. Time is an integer tick.
 
 import math
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -18,8 +18,10 @@ from testbed.core.seeds import stream
 from testbed.flight.guidance.law import GuidanceSetting, Law, SpeedHold
 from testbed.flight.impossible import ImpossibleError
 from testbed.flight.log import FlightLog, finish
-from testbed.flight.planning.context import Planner, make_context
+from testbed.flight.planning.context import Pending, Planner, make_context
+from testbed.flight.planning.outside import Asked
 from testbed.flight.planning.own import asked
+from testbed.flight.planning.steering import Steer, arc
 from testbed.flight.plants.aircraft import Aircraft, idealised, load_aircraft
 from testbed.flight.plants.base import Plant, PlantSetting, Start, State, TrimFailedError
 from testbed.flight.record import FlightRecord, Outcome
@@ -46,6 +48,21 @@ def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None, clock: 
     ``until`` may end the flight before its goal, with the outcome ``stopped``; it is asked at the guidance rate. ``clock`` times the
     stages of the work, in seconds.
     """
+    try:
+        next(flown(plan, until, clock))
+    except StopIteration as end:
+        record: FlightRecord = end.value
+        return record
+    raise ValueError("this flight takes commands from outside, which testbed.make_env asks for")
+
+
+def flown(
+    plan: FlightPlan,
+    until: Callable[[Scene], Until] | None = None,
+    clock: Callable[[], float] = perf_counter,
+    planner: Planner | None = None,
+) -> Generator[Asked, Steer, FlightRecord]:
+    """The flight, which stops wherever it needs a command from outside: only where ``planner``, flown in place of the plan's, says so."""
     began = clock()
     try:
         scene = make_scene(plan)
@@ -62,13 +79,13 @@ def fly(plan: FlightPlan, until: Callable[[Scene], Until] | None = None, clock: 
         plant = make_plant(plan, aircraft, start_of(plan, scene), scene)
     except TrimFailedError as error:
         return finish(log, scene, Outcome.TRIM_FAILED, str(error), {"set_up_s": clock() - began})
-    blocks = _Blocks(make_sensor(plan), make_planner(plan), make_law(plan, aircraft), plant)
+    blocks = _Blocks(make_sensor(plan), planner or make_planner(plan), make_law(plan, aircraft), plant)
     memories = (blocks.sensor.start(sensor_context(plan)), blocks.planner.start(make_context(plan, scene, aircraft)))
     ready = clock()
-    outcome, message = _loop(plan, scene, path, blocks, memories, log, until(scene) if until else None)
-    flown = clock()
+    outcome, message = yield from _loop(plan, scene, path, blocks, memories, log, until(scene) if until else None)
+    landed = clock()
     return finish(
-        log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": flown - ready, "answer_s": blocks.planner.slowest_s}, plant
+        log, scene, outcome, message, {"set_up_s": ready - began, "fly_s": landed - ready, "answer_s": blocks.planner.slowest_s}, plant
     )
 
 
@@ -83,8 +100,8 @@ class _Blocks(NamedTuple):
 
 def _loop(
     plan: FlightPlan, scene: Scene, path: Path, blocks: _Blocks, memories: tuple[Any, Any], log: FlightLog, until: Until | None
-) -> tuple[Outcome, str]:
-    """The block diagram. ``memories``: of the sensor and of the planner."""
+) -> Generator[Asked, Steer, tuple[Outcome, str]]:
+    """The block diagram. ``memories``: of the sensor and of the planner. Nothing is yielded but questions for a command from outside."""
     hz, ticks_per_command = plan.rates.plant_hz, range(plan.rates.plant_hz // plan.rates.guidance_hz)
     planner_every = hz // plan.rates.planner_hz
     sensor, planner, law, plant = blocks
@@ -111,6 +128,8 @@ def _loop(
             if event is not None:
                 log.events.append(event)
             if new_path is not None:
+                if isinstance(new_path, Pending):
+                    new_path = arc((yield Asked(time_s, state, tuple(seen))), state, *new_path)
                 path, memory = new_path, law.start(new_path.begin_s_m)
                 plant.follow(path, path.begin_s_m)
                 log.change_path(time_s, path)

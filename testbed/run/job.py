@@ -104,13 +104,19 @@ def _run(job: Job) -> JobResult:
 
         asked = job.daa
         daa = _timed(timings, "daa", lambda: measure_daa(record, asked))
-    row = _identity(job.plan) | vars(metrics) | daa | _story([dict(vars(event)) for event in record.events], record.message, "", recording)
+    row = row_of(record, metrics, recording) | daa
     if job.check is not None:
         from testbed.results.checks import evidence
 
         check = job.check
         row["evidence"] = _timed(timings, "check", lambda: evidence(check, record))
     return JobResult(row, series, timings | {f"fly.{stage.removesuffix('_s')}": seconds for stage, seconds in record.timings})
+
+
+def row_of(record: FlightRecord, metrics: FlightMetrics, recording: str | None = None) -> Row:
+    """The row of a flight that was flown."""
+    events = [dict(vars(event)) for event in record.events]
+    return _identity(record.plan) | vars(metrics) | _story(events, record.message, "", recording)
 
 
 def _timed(timings: dict[str, float], stage: str, work: Callable[[], Any]) -> Any:

@@ -39,22 +39,57 @@ def expand(campaign: Campaign) -> tuple[FlightPlan, ...]:
 
 def each_plan(campaign: Campaign) -> Iterator[FlightPlan]:
     """The same, each made when it is asked for: there may be more of them than memory holds. Raises ``SpecError`` on the way."""
+    blocks, parts = _sound_blocks(campaign)
+    for block in blocks:
+        part = parts[block.part]
+        encounter = lru_cache(KEPT_ENCOUNTERS)(part.encounters.met) if part.encounters else None  # every cell meets the same
+        for planned in plans_of_cells(campaign, block, part, Tree({})):
+            yield from _flights(campaign, block, part, encounter, planned, range(part.replicates or 1))
+
+
+def cell_names(campaign: Campaign) -> Iterator[str]:
+    """What the cells are called, in the order of their flights. Raises ``SpecError``."""
+    blocks, _ = _sound_blocks(campaign)
+    return (block.cell_id(cell) for block in blocks for cell in block.cells())
+
+
+def replicates_of(campaign: Campaign, name: str) -> Callable[[int], FlightPlan]:
+    """Any replicate of a cell, by its number, past those of the campaign too, which has them by the same rule.
+
+    Raises ``KeyError`` where there is no such cell, ``SpecError`` then or later.
+    """
+    blocks, parts = _sound_blocks(campaign)
+    try:
+        block, cell = next((block, cell) for block in blocks for cell in block.cells() if block.cell_id(cell) == name)
+    except StopIteration:
+        raise KeyError(name) from None
+    part = parts[block.part]
+    encounter = part.encounters.met if part.encounters else None
+    (planned,) = plans_of_cells(campaign, block, part, Tree({}), [cell])
+    return lambda replicate: next(_flights(campaign, block, part, encounter, planned, [replicate]))
+
+
+def _sound_blocks(campaign: Campaign) -> tuple[list[Block], dict[str, Part]]:
+    """The blocks of a campaign and its parts by name. Raises ``SpecError``."""
     blocks, problems = blocks_of(_tree_of(campaign))
     parts = resolved_parts(campaign)
     problems = problems or size_problems(blocks, campaign, NOWHERE)
     problems = problems or [found for b in blocks for found in skip_problems(b) + overwritten_draws(b, parts[b.part])]
     if problems:
         raise SpecError(problems)
-    for block in blocks:
-        part = parts[block.part]
-        encounter = lru_cache(KEPT_ENCOUNTERS)(part.encounters.met) if part.encounters else None  # every cell meets the same
-        for cell, document, plan in plans_of_cells(campaign, block, part, Tree({})):
-            if not isinstance(plan, FlightPlan):
-                raise SpecError(found for fault in plan if (found := document.problem(fault, suspects(block, cell))))
-            if part.draw or encounter:
-                yield from _drawn_replicates(campaign, block, part, encounter, (cell, document, plan))
-            else:
-                yield from _replicates(plan, part.replicates or 1)
+    return blocks, parts
+
+
+def _flights(
+    campaign: Campaign, block: Block, part: Part, encounter: Encounter | None, planned: PlannedCell, replicates: Iterable[int]
+) -> Iterator[FlightPlan]:
+    """Those replicates of a cell."""
+    cell, document, plan = planned
+    if not isinstance(plan, FlightPlan):
+        raise SpecError(found for fault in plan if (found := document.problem(fault, suspects(block, cell))))
+    if part.draw or encounter:
+        return _drawn_replicates(campaign, block, part, encounter, (cell, document, plan), replicates)
+    return _replicates(plan, replicates)
 
 
 def axes_in_order(campaign: Campaign) -> dict[str, tuple[str, ...]]:
@@ -138,20 +173,25 @@ def _short(identity: bytes) -> str:
     return hashlib.sha256(identity).hexdigest()[:12]
 
 
-def _replicates(plan: FlightPlan, count: int) -> Iterator[FlightPlan]:
+def _replicates(plan: FlightPlan, replicates: Iterable[int]) -> Iterator[FlightPlan]:
     """Copies that share their (frozen) sections."""
     before, after = cut(_identity(plan), "replicate")
-    for replicate in range(count):
+    for replicate in replicates:
         yield plan.model_copy(update={"replicate": replicate, "flight_id": _short(before + canonical(replicate) + after)})
 
 
 def _drawn_replicates(
-    campaign: Campaign, block: Block, part: Part, encounter: Encounter | None, planned: tuple[Cell, Document, FlightPlan]
+    campaign: Campaign,
+    block: Block,
+    part: Part,
+    encounter: Encounter | None,
+    planned: tuple[Cell, Document, FlightPlan],
+    replicates: Iterable[int],
 ) -> Iterator[FlightPlan]:
     """Each with its own encounter and its own draws. Replicate 0 has what is drawn about a value at that value."""
     cell, document, plan = planned
     who = {name: getattr(plan, name) for name in FlightPlan.model_fields if name not in FlightSettings.model_fields}
-    for replicate in range(part.replicates or 1):
+    for replicate in replicates:
         name = f"{plan.cell}, replicate {replicate}"
         try:
             if encounter:

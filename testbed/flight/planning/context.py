@@ -59,15 +59,25 @@ class Context:
     """What a forecast would say: calm, wind, or turbulence (gusts too)."""
 
 
+class Pending(NamedTuple):
+    """The path for one step that is made of a command which is still to come, from outside of the flight (``outside.py``).
+
+    The aircraft stands at ``s_m`` of it; it is ``ahead_m`` long. The loop stops there and asks.
+    """
+
+    s_m: float
+    ahead_m: float
+
+
 class Step(NamedTuple):
     """What a planner hands back at a look: its memory, the path from now on if there is a new one, what was decided if something was."""
 
     memory: Any
-    path: Path | None = None
+    path: Path | Pending | None = None
     event: ReplanEvent | None = None
 
 
-Answer = tuple[Any, Path | None, ReplanEvent | None]
+Answer = tuple[Any, Path | Pending | None, ReplanEvent | None]
 """A ``Step``, or the plain tuple of the same."""
 
 

@@ -41,7 +41,7 @@ from testbed.flight.planning.context import STILL, Answer, Context, Step
 from testbed.flight.planning.decision import Sighting, carried, judged, make_event
 from testbed.flight.planning.flyable_way import flyable_way
 from testbed.flight.planning.rejoin import Rejoin, Way, joined, miss_along, ray
-from testbed.flight.planning.steering import SteeringLaw, arc
+from testbed.flight.planning.steering import SteeringLaw, steered
 from testbed.flight.planning.watch import Watch
 from testbed.flight.plants.base import State
 from testbed.flight.record import ANSWERED, Decision, inside
@@ -269,7 +269,7 @@ class Replanner:
         self.slowest_s = max(self.slowest_s, thread_time() - began)
         if not (isinstance(answer, tuple) and len(answer) == 2):
             raise ValueError(f"a law must return (memory, Steer), not {answer!r}")
-        return Step(memory._replace(law=answer[:1]), arc(answer[1], state, s_m))
+        return Step(memory._replace(law=answer[:1]), steered(answer[1], state, s_m))
 
     def _back(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], ends: bool) -> Step:
         """The way back, once the flight is clear of what was answered and of what is in sight. ``ends``: the path that is held does."""

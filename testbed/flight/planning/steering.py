@@ -7,11 +7,11 @@ rails at once. The speed is held as on any path.
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple, Protocol
 
 from testbed.core.frames import Vec3
 from testbed.core.units import DEG
-from testbed.flight.planning.context import Context
+from testbed.flight.planning.context import Context, Pending
 from testbed.flight.plants.base import State
 from testbed.flight.route.path import Arc
 from testbed.flight.sensing.base import Seen
@@ -31,6 +31,10 @@ class Steer(NamedTuple):
     velocity_enu_mps: Vec3 | None = None
 
 
+FROM_OUTSIDE: Final = Steer()
+"""The answer of a law that does not know it: whoever steps the flight will say (``outside.py``)."""
+
+
 class SteeringLaw(Protocol):
     """A law of one flight, made by ``Class(**options)``; its memory goes in and comes out."""
 
@@ -41,7 +45,12 @@ class SteeringLaw(Protocol):
         """Asked at the guidance rate; ``seen`` is everything in sight at the planner's last look, threat or not."""
 
 
-def arc(answer: Steer, state: State, s_m: float) -> Arc:
+def steered(answer: Steer, state: State, s_m: float) -> Arc | Pending:
+    """The path for one step by a law's answer, or by the one that is still to come."""
+    return Pending(s_m, HELD_M) if answer is FROM_OUTSIDE else arc(answer, state, s_m)
+
+
+def arc(answer: Steer, state: State, s_m: float, ahead_m: float = HELD_M) -> Arc:
     """The path for one step, on which the aircraft stands at ``s_m``. ``ValueError`` in words when the law's answer is none."""
     pos, velocity = (state.x, state.y, state.z), (state.vx, state.vy, state.vz)
     if not isinstance(answer, Steer) or (answer.acceleration_enu_mps2 is None) == (answer.velocity_enu_mps is None):
@@ -49,17 +58,17 @@ def arc(answer: Steer, state: State, s_m: float) -> Arc:
     acceleration, wanted = answer
     speed = norm(velocity)
     if speed < STILL_MPS:  # nothing to turn
-        return Arc(pos, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), s_m, HELD_M)
+        return Arc(pos, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), s_m, ahead_m)
     tangent = unit(velocity)
     if acceleration is not None:
         pull = three("Steer.acceleration_enu_mps2", acceleration)
         across = along(pull, -dot(pull, tangent), tangent)
-        return Arc(pos, tangent, scale(1.0 / (speed * speed), across), s_m, HELD_M)
+        return Arc(pos, tangent, scale(1.0 / (speed * speed), across), s_m, ahead_m)
     assert wanted is not None
     direction = unit(three("Steer.velocity_enu_mps", wanted))
     if direction == (0.0, 0.0, 0.0):
         raise ValueError("Steer.velocity_enu_mps: a velocity of zero has no direction")
-    return Arc(pos, _aside(tangent, direction), (0.0, 0.0, 0.0), s_m, HELD_M)
+    return Arc(pos, _aside(tangent, direction), (0.0, 0.0, 0.0), s_m, ahead_m)
 
 
 def _aside(tangent: Vec3, wanted: Vec3) -> Vec3:
