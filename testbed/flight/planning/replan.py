@@ -37,7 +37,7 @@ from testbed.core.chain import FEW
 from testbed.core.frames import Vec3, vec3
 from testbed.flight.impossible import NoWayError
 from testbed.flight.planning.again import Again, Past
-from testbed.flight.planning.context import STILL, Answer, Context, Step
+from testbed.flight.planning.context import STILL, Answer, Context, Pending, Step
 from testbed.flight.planning.decision import Sighting, carried, judged, make_event
 from testbed.flight.planning.flyable_way import flyable_way
 from testbed.flight.planning.rejoin import Rejoin, Way, joined, miss_along, ray
@@ -134,7 +134,7 @@ class Replanner:
     def _noted(self, step: Step, time_s: float, state: State, seen: Sequence[Seen], path: Path, s_m: float) -> Step:
         """The step, with what its decision foretells where threats are answered again. A law that steers is asked all the time."""
         memory: Memory = step.memory
-        if self._again is None or step.event is None or memory.law is not None:
+        if self._again is None or step.event is None or memory.law is not None or isinstance(step.path, Pending):
             return step
         on, from_m = (path, s_m) if step.path is None else (step.path, step.path.begin_s_m)
         past, not_before_s = self._again.past(time_s, state, seen, on, from_m), time_s + self._settings.again.hold_s
@@ -256,9 +256,9 @@ class Replanner:
     def _steered(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
         """The way back, once the flight is clear; until then what the law says."""
         back = self._back(memory, time_s, state, seen, ends=False)
-        return (
-            self._steer(memory, time_s, state, seen, s_m) if back.path is None else self._noted(back, time_s, state, seen, back.path, 0.0)
-        )
+        if back.path is None or isinstance(back.path, Pending):
+            return self._steer(memory, time_s, state, seen, s_m)
+        return self._noted(back, time_s, state, seen, back.path, 0.0)
 
     def _steer(self, memory: Memory, time_s: float, state: State, seen: Sequence[Seen], s_m: float) -> Step:
         """The path for one step."""
