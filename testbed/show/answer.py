@@ -12,11 +12,12 @@ from typing import Any, Final
 
 from testbed.flight.record import Outcome
 from testbed.results.checks import CheckResult
+from testbed.results.columns import WEIGHT
 from testbed.results.flight_row import collided, keeps, met_obstacle, value
 from testbed.results.statistics import spread
 from testbed.show import words
 from testbed.show.alike import Cells, Share, Who, listed_parts
-from testbed.show.hero import check_answer
+from testbed.show.hero import UNWEIGHED, check_answer
 
 Row = dict[str, Any]
 
@@ -95,9 +96,11 @@ class Tally:
         self._nearest: tuple[float, Row] | None = None
         self._farthest: tuple[float, Row] | None = None
         self._outcomes: Counter[str] = Counter()
+        self._weighted = False
 
     def add(self, row: Row) -> None:
         """One more flight."""
+        self._weighted |= row.get(WEIGHT.name, 1.0) != 1.0
         self._outcomes[row["outcome"]] += 1
         off = value(row, "cross_track_max_m")
         if math.isfinite(off) and (self._farthest is None or off > self._farthest[0]):
@@ -117,7 +120,8 @@ class Tally:
         if failed := self._outcomes[Outcome.CRASHED.value]:
             lines.append(_failed(failed, self._outcomes.total()))
         if self._bars:
-            lines.append(f"Every radius was kept {_by_method(self._cells)}.")
+            alike = f" {UNWEIGHED}" if self._weighted else ""
+            lines.append(f"Every radius was kept {_by_method(self._cells)}.{alike}")
         avoiding = self._cells.alike("flyer", which=_avoids)
         flyers = {name: share for (name,), share in avoiding.items()}
         if len(flyers) > 1 and len(self._cells.names("method")) > 1:

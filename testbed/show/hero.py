@@ -4,11 +4,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from markupsafe import Markup
 
-from testbed.campaign.reading.blocks import resolved_parts
+from testbed.campaign.reading.blocks import resolved_parts, weighted
 from testbed.campaign.words.settings import Campaign
 from testbed.results.checks import CheckResult
 from testbed.results.columns import BY_NAME
@@ -29,6 +29,9 @@ class Tag:
     items: tuple[tuple[str, str], ...] = ()  # text, id of its place
 
 
+UNWEIGHED: Final = "Shares count every flight once, encounters that are drawn more often than they occur too; risk.csv of daa weighs them."
+
+
 @dataclass(frozen=True)
 class Hero:
     """What stands on top. ``rests``: seeds, encounters and draws; ``notes``: what must be known before the answer is believed."""
@@ -47,7 +50,8 @@ def campaign_hero(campaign: Campaign, of: Gathered, checks: Sequence[CheckResult
         picture, caption = _check_picture(checks)
         return Hero(check_answer(checks), rests(campaign, of), _outcomes(of), picture, caption)
     picture, caption = _picture(of)
-    return Hero(_answer(of), rests(campaign, of), _outcomes(of), picture, caption)
+    notes = (Markup(UNWEIGHED),) if weighted(campaign) else ()
+    return Hero(_answer(of), rests(campaign, of), _outcomes(of), picture, caption, notes)
 
 
 def unfinished(hero: Hero, provenance: Mapping[str, Any], noun: str = "flights") -> Hero:

@@ -211,7 +211,8 @@ def test_a_reversal_is_a_turn_to_the_other_side() -> None:
         ("replan: {policy: often}", "replan.policy: must be one of 'once', 'every_s', 'on_change'"),
         ("replan: {policy: every_s, again: {every_s: 0}}", "replan.again.every_s: must be more than 0"),
         ("replan: {again: {hold_s: -1}}", "replan.again.hold_s: must be at least 0"),
-        ("replan: {policy: on_change}\nplanner: {kind: survivor}", "survivor decides anew by its own option every_s"),
+        ("replan: {policy: on_change}\nplanner: {kind: survivor}", "survivor has its own rule when it decides anew"),
+        ("replan: {policy: every_s}\nplanner: {kind: lattice}", "lattice has its own rule when it decides anew"),
     ],
 )
 def test_what_is_no_policy_is_refused_in_one_sentence(said: str, words: str, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from testbed.campaign.reading.aircraft import read_aircraft
 from testbed.campaign.reading.document import Fault
 from testbed.campaign.words.air import SteadyWind
 from testbed.campaign.words.limits import longest_flight
+from testbed.campaign.words.planning import PlannerSpec
 from testbed.campaign.words.route import LONGEST_ROUTE_M, Random, Route
 from testbed.campaign.words.settings import FlightPlan
 from testbed.core import registry
@@ -82,10 +83,11 @@ def _unfit_sensor(plan: FlightPlan) -> Iterator[Fault]:
 
 
 def _decides_itself(plan: FlightPlan) -> Iterator[Fault]:
-    """Who decides anew all the time is not to be asked when."""
-    if plan.replan.policy != "once" and plan.planner.kind == "survivor":
+    """Only one planner is told by the campaign when it is to decide anew; another would not listen."""
+    if plan.replan.policy != "once" and plan.planner.kind != PlannerSpec().kind:
         yield Fault(
-            ("replan", "policy"), f"{plan.replan.policy} is of planner.kind: replan; survivor decides anew by its own option every_s"
+            ("replan", "policy"),
+            f"{plan.replan.policy} is of planner.kind: {PlannerSpec().kind}; {plan.planner.kind} has its own rule when it decides anew",
         )
 
 
