@@ -4,10 +4,12 @@ import math
 import struct
 from array import array
 from bisect import bisect_right
+from functools import cached_property
 
 import numpy as np
 
 from testbed.core.frames import Vec3
+from testbed.flight.traffic.bounds import Bounds
 
 Array = np.ndarray
 WIDTH = 12
@@ -51,6 +53,18 @@ class Pieces:
         ax, ay, az = u * hx, u * hy, u * hz
         vx, vy, vz = vx + ax, vy + ay, vz + az
         return (x + u * vx, y + u * vy, z + u * vz), (vx + ax, vy + ay, vz + az)
+
+    def bounds(self) -> Bounds:
+        """See ``Bounds``: the pieces join, and on each the speed is greatest at one of its ends."""
+        return self._bounds
+
+    @cached_property
+    def _bounds(self) -> Bounds:
+        low, high, origin, vel, half = self._table[:, 0], self._table[:, 1], self._table[:, 2], self._table[:, 6:9], self._table[:, 9:12]
+        straight = ~half.any(axis=1)  # and may last forever
+        ends = [np.where(straight, 0.0, end - origin)[:, None] for end in (low, high)]
+        top = max(float(np.linalg.norm(vel + 2.0 * u * half, axis=1).max()) for u in ends)
+        return Bounds(top, float(low[0]), math.nextafter(float(high[-1]), -math.inf) if math.isfinite(high[-1]) else math.inf)
 
     def sampled(self, time_s: Array) -> tuple[Array, Array]:
         """The same at times (n,), as arrays (n,3)."""
