@@ -1,6 +1,6 @@
 """What a hundred obstacles cost beside one, and where a track is beside where a line is: processor time, side by side in one process.
 
-    PYTHONPATH=. python tests/benchmarks/bench_crowd.py [--rounds N]
+    python tests/benchmarks/bench_crowd.py [--rounds N]
 
 Obstacle 0 crosses the route and is avoided; the others fly at random, 1.5 to 6 km away, as traffic does. A flight is everything up to
 its row, in a worker that has flown such before: scene, trim, loop, log, metrics. Each round flies every case with one obstacle and with
