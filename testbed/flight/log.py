@@ -12,6 +12,7 @@ from testbed.core.frames import quat_xyzw_from_euler
 from testbed.flight.guidance.law import Telemetry
 from testbed.flight.plants.base import Plant, State
 from testbed.flight.record import ANSWERED, FlightRecord, Outcome, PlannedPath, ReplanEvent, inside
+from testbed.flight.record.columns import Columns, column, contenders
 from testbed.flight.route.path import ActivePath, Path
 from testbed.flight.scene import Scene
 from testbed.flight.traffic.track import least_clearance
@@ -70,8 +71,6 @@ def finish(
             Outcome.NO_PATH,
             f"the planner had no path at {refused[0].time_s:.2f} s: {refused[0].reason or refused[0].decision}",
         )
-    for column in columns.values():
-        column.flags.writeable = False
     paths = tuple(PlannedPath(from_s, chain) for (from_s, _), chain in zip(log.paths, chains, strict=True))
     longest_s = scene.longest_s if scene else 0.0
     took = tuple({**timings, "log_s": log.clock() - began}.items())
@@ -88,7 +87,7 @@ def _states(log: FlightLog, plant: Plant | None) -> dict[str, Array]:
     return {name: column if np.ndim(column) else np.full(len(rows), column) for name, column in field.items()}
 
 
-def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[dict[str, Array], float]:
+def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[Columns, float]:
     field = _states(log, plant)
     time_s = np.arange(len(field["x"])) / log.plan.rates.plant_hz
     columns = {
@@ -99,18 +98,14 @@ def _columns(log: FlightLog, scene: Scene | None, plant: Plant | None) -> tuple[
         "air.rotation_body_radps": np.column_stack([field[name] for name in ROTATION]),
         "own.rates_body_radps": np.column_stack([field[name] for name in ("p", "q", "r")]),
         "own.quat_enu_from_body_xyzw": quat_xyzw_from_euler(field["bank"], field["pitch"], field["heading"]),
-        **{column: np.array(field[name]) for name, column in STATE_COLUMNS.items()},
+        **{signal: np.array(field[name]) for name, signal in STATE_COLUMNS.items()},
     }
     columns |= _guidance_columns(log, len(time_s))
     columns |= _path_columns(log, columns["own.pos_enu_m"], time_s, columns["guidance.s_m"])
-    closest = np.inf
-    for track in scene.tracks if scene else ():
-        centre, velocity = track.sampled(time_s)
-        columns[f"obstacle.{track.name}.pos_enu_m"] = centre
-        columns[f"obstacle.{track.name}.vel_enu_mps"] = velocity
-        columns[f"obstacle.{track.name}.clearance_m"] = np.linalg.norm(columns["own.pos_enu_m"] - centre, axis=1) - track.radius_m
-        closest = min(closest, least_clearance(time_s, columns["own.pos_enu_m"], centre, track.radius_m).clearance_m)
-    return columns, closest
+    flown, pos, closest = Columns(columns, scene.tracks if scene else ()), columns["own.pos_enu_m"], np.inf
+    for track in contenders(flown, pos, scene.tracks) if scene else ():
+        closest = min(closest, least_clearance(time_s, pos, flown[column(track.name, "pos_enu_m")], track.radius_m).clearance_m)
+    return flown, closest
 
 
 def _guidance_columns(log: FlightLog, n: int) -> dict[str, Array]:

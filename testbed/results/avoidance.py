@@ -12,6 +12,7 @@ import numpy as np
 
 from testbed.core.units import DEG
 from testbed.flight.record import AVOIDING, FlightRecord, ReplanEvent, inside
+from testbed.flight.record.columns import contenders
 from testbed.flight.traffic.track import least_clearance
 
 Array = np.ndarray
@@ -76,10 +77,14 @@ def clear_row(record: FlightRecord, first: int, end: int) -> int | None:
     """The first row from which on every obstacle opens at first, or is gone, and none is met any more; None when there is none."""
     clear = np.ones(end + 1 - first, dtype=bool)
     for spec in record.plan.obstacles:
-        relative = (record.columns[f"obstacle.{spec.name}.pos_enu_m"] - record.columns["own.pos_enu_m"])[first : end + 1]
-        moving = (record.columns[f"obstacle.{spec.name}.vel_enu_mps"] - record.columns["own.vel_enu_mps"])[first : end + 1]
-        gone = np.isnan(record.columns[f"obstacle.{spec.name}.pos_enu_m"][first : end + 1, 0])
-        clearance = np.where(gone, np.inf, record.columns[f"obstacle.{spec.name}.clearance_m"][first : end + 1])
+        if not clear.any():
+            return None
+        skipped = int(np.argmax(clear))  # no row before it is clear, whatever the others do
+        first, clear, rows = first + skipped, clear[skipped:], slice(first + skipped, end + 1)
+        pos, vel, distance = (record.columns[f"obstacle.{spec.name}.{part}"][rows] for part in ("pos_enu_m", "vel_enu_mps", "clearance_m"))
+        relative, moving = pos - record.columns["own.pos_enu_m"][rows], vel - record.columns["own.vel_enu_mps"][rows]
+        gone = np.isnan(pos[:, 0])
+        clearance = np.where(gone, np.inf, distance)
         least = np.minimum.accumulate(clearance[::-1])[::-1]
         clear &= ((np.einsum("ij,ij->i", relative, moving) > 0.0) | gone) & ~inside(least)
     found = np.flatnonzero(clear)
@@ -124,6 +129,6 @@ def clearance_of(record: FlightRecord, point: Array) -> float:
     time_s = record.columns["time_s"]
     least = [
         least_clearance(time_s, point, record.columns[f"obstacle.{spec.name}.pos_enu_m"], spec.radius_m).clearance_m
-        for spec in record.plan.obstacles
+        for spec in contenders(record.columns, point, record.plan.obstacles)
     ]
     return float(np.nanmin(least)) if np.isfinite(least).any() else NAN

@@ -11,6 +11,7 @@ from testbed.flight.fly import GOAL_GATE_M
 from testbed.flight.guidance.law import BANK_LIMITED, LIFT_LIMITED
 from testbed.flight.plants.aircraft import load_aircraft
 from testbed.flight.record import FlightRecord, Outcome
+from testbed.flight.record.columns import contenders
 from testbed.flight.traffic.schedule import arc_lengths, planned_time
 from testbed.flight.traffic.track import least_clearance
 from testbed.results.avoidance import clearance_of
@@ -42,16 +43,15 @@ def root_mean_square(values: Array) -> float:
 
 def limits_hit(record: FlightRecord, flown: slice) -> str:
     """Names of the aircraft's limits that were reached, separated by spaces; what a plant does not have it cannot reach."""
-    columns = {name: column[flown] for name, column in record.columns.items() if column.ndim == 1}
-    if not len(columns["time_s"]):
+    limited, throttle, at_stop = (record.columns[name][flown] for name in ("guidance.limited", "own.throttle", "own.at_stop"))
+    if not len(limited):
         return ""
-    limited, throttle = columns["guidance.limited"], columns["own.throttle"]
     roll_limit = load_aircraft(record.plan.aircraft).limits.roll_rate_dps * DEG
     hit = {
         "bank": np.isin(limited, (BANK_LIMITED, BANK_LIMITED + LIFT_LIMITED)),
         "load_factor": limited >= LIFT_LIMITED,
         "roll_rate": np.abs(record.columns["own.rates_body_radps"][flown, 0]) >= NEAR_LIMIT * roll_limit,
-        "surface": columns["own.at_stop"] > 0.0,
+        "surface": at_stop > 0.0,
         "thrust": (throttle >= 1.0) | (throttle <= 0.0),
     }
     return " ".join(name for name, rows in hit.items() if rows.any())
@@ -97,12 +97,12 @@ def closest_approach(record: FlightRecord) -> Closest:
     """Over all obstacles; without any (or before the first tick) there is none."""
     columns = record.columns
     found = Closest()
-    for obstacle in record.plan.obstacles:
+    for obstacle in contenders(columns, columns["own.pos_enu_m"], record.plan.obstacles):
         centre = columns.get(f"obstacle.{obstacle.name}.pos_enu_m")
         if centre is None or not len(centre):
             continue
         approach = least_clearance(columns["time_s"], columns["own.pos_enu_m"], centre, obstacle.radius_m)
-        if not found.clearance_m <= approach.clearance_m:
+        if math.isnan(found.clearance_m) or approach.clearance_m < found.clearance_m:
             found = Closest(approach.clearance_m, approach.time_s, obstacle.name)
     return found
 

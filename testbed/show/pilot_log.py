@@ -1,6 +1,7 @@
 """What happened in a flight, in a pilot's words: what came in sight, what was decided, what could not be flown, what came of it."""
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -114,7 +115,7 @@ def _sphere(record: FlightRecord, spec: ObstacleSpec) -> list[Line]:
     return lines
 
 
-def traffic(columns: dict[str, Array], name: str, row: int) -> str:
+def traffic(columns: Mapping[str, Array], name: str, row: int) -> str:
     """Where an obstacle is, as a pilot is told of traffic: ``1 o'clock, 97 m, 4 m low``."""
     velocity, own = columns["own.vel_enu_mps"][row], columns["own.pos_enu_m"][row]
     there = columns[f"obstacle.{name}.pos_enu_m"][row] - own

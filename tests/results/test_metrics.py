@@ -2,12 +2,14 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from testbed import fly, measure
 from testbed.flight.record import FlightRecord
+from testbed.results import quantities
 from testbed.results.quantities import goal_crossing
 from tests.plans import KINEMATIC, plan
 
@@ -80,3 +82,12 @@ def test_gusts_along_the_flight_are_those_of_the_air(record: FlightRecord) -> No
     wind = np.zeros_like(record.columns["own.pos_enu_m"])
     wind[:, 0] = 3.0 * np.sin(record.columns["time_s"] * 2 * math.pi)  # twelve whole periods along the flight
     assert measure(changed(record, **{"air.wind_enu_mps": wind})).wind_along_std_mps == pytest.approx(3.0 / math.sqrt(2.0), rel=1e-2)
+
+
+def test_an_obstacle_that_is_never_there_does_not_hide_the_nearest() -> None:
+    time_s, still = np.arange(4.0), np.zeros((4, 3))
+    there = {"A": still + np.array([30.0, 0.0, 0.0]), "B": np.full((4, 3), np.nan)}
+    columns = {"time_s": time_s, "own.pos_enu_m": still} | {f"obstacle.{name}.pos_enu_m": pos for name, pos in there.items()}
+    plan = SimpleNamespace(obstacles=[SimpleNamespace(name=name, radius_m=10.0) for name in there])
+    found = quantities.closest_approach(SimpleNamespace(columns=columns, plan=plan))
+    assert (found.clearance_m, found.obstacle) == (20.0, "A")

@@ -1,6 +1,7 @@
 """What comes out of a flight: outcome, record, re-plans. Frozen values; arrays are never written to again."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -79,7 +80,7 @@ class FlightRecord:
 
     plan: FlightPlan
     outcome: Outcome
-    columns: dict[str, Array]
+    columns: Mapping[str, Array]
     events: tuple[ReplanEvent, ...]
     paths: tuple[PlannedPath, ...]
     message: str = ""  # one sentence about an outcome that is not REACHED

@@ -22,6 +22,7 @@ from testbed.core.section import NonNegative, Number, Positive, Radius, Section,
 from testbed.core.units import DEG
 from testbed.flight.plants.base import State
 from testbed.flight.sensing.base import NOTHING, Seen, SensorContext
+from testbed.flight.sensing.lookout import Lookout
 from testbed.flight.sensing.phantoms import DRAWN, Phantom, phantom
 from testbed.flight.sensing.truth import RangeTo, Truth
 from testbed.flight.traffic.track import Array, Covariance, Traffic
@@ -88,6 +89,7 @@ class Memory(NamedTuple):
     born: int = 0  # phantoms so far
     waiting: tuple[tuple[float, tuple[Seen, ...]], ...] = ()  # measurements that nobody has yet, and when they were made
     told: tuple[Seen, ...] = NOTHING
+    lookout: Lookout | None = None
 
 
 class Imperfect:
@@ -143,15 +145,19 @@ class Imperfect:
         memory = memory._replace(own_error=own_error)
         lost_until, here, body = dict(memory.lost_until_s), own[:3], enu_from_body(own.bank, own.pitch, own.heading)
         lost_share = -math.expm1(-options.dropouts_per_s / memory.hz)
+        lost = even[: len(tracks)] < lost_share
+        for k in np.flatnonzero(lost).tolist():
+            lost_until[tracks[k].name] = max(lost_until.get(tracks[k].name, 0.0), time_s + options.dropout_lasts_s)
+        if memory.lookout is None or memory.lookout.traffic is not traffic:
+            reach_m = [self.reach_m(memory.context.range_m, track.radius_m, options.range_to) for track in tracks]
+            memory = memory._replace(lookout=Lookout(traffic, reach_m))
+        assert memory.lookout is not None
         found: list[Seen] = []
-        for track, error, chance in zip(tracks, errors.tolist(), even.tolist(), strict=False):
-            if chance < lost_share:
-                lost_until[track.name] = max(lost_until.get(track.name, 0.0), time_s + options.dropout_lasts_s)
-            moving = track.at(time_s)
-            if moving is None or chance < lost_share or time_s < lost_until.get(track.name, 0.0):
+        for k, track, moving in memory.lookout.look(time_s, here):
+            if lost[k] or time_s < lost_until.get(track.name, 0.0):
                 continue
             if self._in_sight(sub(moving[0], here), track.radius_m, body, memory.context.range_m):
-                found.append(self._told(Seen(track.name, track.radius_m, *moving, time_s), here, error, own_error))
+                found.append(self._told(Seen(track.name, track.radius_m, *moving, time_s), here, errors[k].tolist(), own_error))
         memory = self._haunted(memory, time_s, here, body, even[len(tracks) :])
         for one in memory.phantoms:
             seen = one.at(time_s)

@@ -5,22 +5,17 @@ from typing import Literal, NamedTuple
 
 from testbed.flight.plants.base import State, make
 from testbed.flight.sensing.base import NOTHING, Seen, SensorContext
-from testbed.flight.traffic.straight import Straight
-from testbed.flight.traffic.track import Track, Traffic
+from testbed.flight.sensing.lookout import Lookout
+from testbed.flight.traffic.track import Traffic
 
-WIDER = 1.000001  # of a squared range: rounding must not hide an obstacle
-Row = tuple[Track, float, float, float, float, float, float, float, float]
 RangeTo = Literal["centre", "surface"]
 
 
 class Memory(NamedTuple):
-    """The range, the traffic that was met first, and a row for each of its tracks: from how far its centre is seen, the square of that
-    and a little more, a line's place at time 0 and its velocity, else NaN.
-    """
+    """The range, and who of the traffic that was met last is near."""
 
     range_m: float
-    traffic: Traffic | None = None
-    rows: tuple[Row, ...] = ()
+    lookout: Lookout | None = None
 
 
 class Truth:
@@ -38,24 +33,13 @@ class Truth:
         return Memory(context.range_m)
 
     def sense(self, memory: Memory, time_s: float, own: State, traffic: Traffic) -> tuple[Memory, tuple[Seen, ...]]:
-        """What ``traffic.at`` has within range. Most looks see nothing: a line that is far away is passed over in half a microsecond."""
-        _, known, rows = memory
-        if known is not traffic:
-            rows = tuple(self._row(track, memory.range_m) for track in traffic.tracks)
-            memory = Memory(memory.range_m, traffic, rows)
-        seen = NOTHING
-        x, y, z = pos = own[:3]
-        for track, reach_m, wide2, cx, cy, cz, ux, uy, uz in rows:
-            px, py, pz = cx + ux * time_s - x, cy + uy * time_s - y, cz + uz * time_s - z
-            if px * px + py * py + pz * pz > wide2:
-                continue
-            moving = track.at(time_s)
-            if moving is not None and math.dist(moving[0], pos) <= reach_m:
+        """What ``traffic.at`` has within range. Most looks see nothing."""
+        range_m, lookout = memory
+        if lookout is None or lookout.traffic is not traffic:
+            lookout = Lookout(traffic, [self.reach_m(range_m, track.radius_m, self._range_to) for track in traffic.tracks])
+            memory = Memory(range_m, lookout)
+        seen, pos = NOTHING, own[:3]
+        for _, track, moving in lookout.look(time_s, pos):
+            if math.dist(moving[0], pos) <= self.reach_m(range_m, track.radius_m, self._range_to):
                 seen = (*seen, make(Seen, (track.name, track.radius_m, *moving, time_s, None)))
         return memory, seen
-
-    def _row(self, track: Track, range_m: float) -> Row:
-        """NaN is never too far away: a track that is no line is always asked."""
-        reach_m = self.reach_m(range_m, track.radius_m, self._range_to)
-        reach = (track, reach_m, WIDER * reach_m**2)
-        return (*reach, *track.pos, *track.vel) if isinstance(track, Straight) else (*reach, *(math.nan,) * 6)

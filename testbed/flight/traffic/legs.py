@@ -1,16 +1,16 @@
 """Legs: one after the other, each with a rate of turn, a vertical speed and an acceleration that it keeps."""
 
-import bisect
 import math
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
 
-from testbed.core.arcs import Piece, along, along_all
+from testbed.core.arcs import Chained, Piece, along
 from testbed.core.frames import Vec3
 from testbed.core.section import Between, Duration, Number, Section
 from testbed.core.units import DEG
+from testbed.flight.traffic.bounds import Bounds
 from testbed.flight.traffic.track import TrackSetting
 
 if TYPE_CHECKING:
@@ -43,30 +43,29 @@ class Legs:
         self.name, self.radius_m = setting.name, setting.radius_m
         vx, vy, climb = setting.vel
         speed, azimuth, pos, time_s = math.hypot(vx, vy), math.atan2(vy, vx), setting.pos, setting.time_s
-        self._pieces = [Piece(time_s, pos, speed, 0.0, azimuth, 0.0, climb)]
+        pieces = [Piece(time_s, pos, speed, 0.0, azimuth, 0.0, climb)]
         for leg in legs:
             climb = climb if leg.climb_mps is None else leg.climb_mps
-            self._pieces.append(Piece(time_s, pos, speed, leg.acceleration_mps2, azimuth, leg.turn_rate_dps * DEG, climb))
-            pos = along(self._pieces[-1], leg.duration_s)[0]
+            pieces.append(Piece(time_s, pos, speed, leg.acceleration_mps2, azimuth, leg.turn_rate_dps * DEG, climb))
+            pos = along(pieces[-1], leg.duration_s)[0]
             time_s += leg.duration_s
             speed = max(0.0, speed + leg.acceleration_mps2 * leg.duration_s)  # it may end at rest, give or take a rounding
             azimuth += leg.turn_rate_dps * DEG * leg.duration_s
-        self._pieces.append(Piece(time_s, pos, speed, 0.0, azimuth, 0.0, climb))
-        self._starts = [piece.time_s for piece in self._pieces[1:]]
+        pieces.append(Piece(time_s, pos, speed, 0.0, azimuth, 0.0, climb))
+        self._pieces = Chained(pieces)
+        self._bounds = Bounds(self._pieces.top_speed(), -math.inf, math.inf)
 
     def at(self, time_s: float) -> tuple[Vec3, Vec3]:
         """Centre and velocity at a time."""
-        piece = self._pieces[bisect.bisect_right(self._starts, time_s)]
-        return along(piece, time_s - piece.time_s)
+        return self._pieces.at(time_s)
 
     def sampled(self, time_s: Array) -> tuple[Array, Array]:
         """The same at times (n,), as arrays (n,3)."""
-        times = np.asarray(time_s, dtype=float)
-        which, pos, vel = np.searchsorted(self._starts, times, side="right"), np.empty((len(times), 3)), np.empty((len(times), 3))
-        for k in np.unique(which).tolist():
-            mine = which == k
-            pos[mine], vel[mine] = along_all(self._pieces[k], times[mine] - self._pieces[k].time_s)
-        return pos, vel
+        return self._pieces.sampled(np.asarray(time_s, dtype=float))
+
+    def bounds(self) -> Bounds:
+        """See ``Bounds``."""
+        return self._bounds
 
     @classmethod
     def refuse(cls, spec: "ObstacleSpec", legs: LegList) -> None:

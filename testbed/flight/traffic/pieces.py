@@ -4,17 +4,18 @@ import math
 import struct
 from array import array
 from bisect import bisect_right
+from functools import cached_property
 
 import numpy as np
 
 from testbed.core.frames import Vec3
+from testbed.flight.traffic.bounds import Bounds
 
 Array = np.ndarray
 WIDTH = 12
 _row = struct.Struct(f"{WIDTH}d").unpack_from
 BYTES = 8 * WIDTH
 NOWHERE = (math.inf, -math.inf, *(0.0,) * (WIDTH - 2))
-_NOWHERE = np.array(NOWHERE)  # ends the rows
 
 
 class Pieces:
@@ -28,29 +29,42 @@ class Pieces:
         self.name, self.radius_m = name, radius_m
         self._table = table
         self._starts = array("d", table[:, 0].tobytes())
-        self._rows = table.tobytes() + _NOWHERE.tobytes()
+        self._rows = table.tobytes()
         self._piece: tuple[float, ...] = NOWHERE  # the one asked for last: a flight asks for it again and again, or for the next
-        self._next = 0  # where in the rows that is
+        # most recordings have a row every so often: the piece of a time is then where a division says
+        first_s, lasts_s, self._last = self._starts[0], self._starts[-1] - self._starts[0], float(len(table) - 1)
+        self._first_s, self._per_s = (first_s, self._last / lasts_s) if math.isfinite(lasts_s) and lasts_s > 0.0 else (0.0, 0.0)
 
     def at(self, time_s: float) -> tuple[Vec3, Vec3] | None:
         """Centre and velocity; None where there is no piece."""
         low, high, origin, x, y, z, vx, vy, vz, hx, hy, hz = self._piece
         if not low <= time_s < high:
-            low, high, origin, x, y, z, vx, vy, vz, hx, hy, hz = piece = _row(self._rows, self._next)
+            k = int(min(self._last, max(0.0, (time_s - self._first_s) * self._per_s)))
+            low, high, origin, x, y, z, vx, vy, vz, hx, hy, hz = piece = _row(self._rows, BYTES * k)
             if not low <= time_s < high:
                 k = bisect_right(self._starts, time_s) - 1
                 if k < 0:
                     return None
-                self._next = BYTES * k
-                low, high, origin, x, y, z, vx, vy, vz, hx, hy, hz = piece = _row(self._rows, self._next)
+                low, high, origin, x, y, z, vx, vy, vz, hx, hy, hz = piece = _row(self._rows, BYTES * k)
                 if not time_s < high:
                     return None
             self._piece = piece
-            self._next += BYTES
         u = time_s - origin
         ax, ay, az = u * hx, u * hy, u * hz
         vx, vy, vz = vx + ax, vy + ay, vz + az
         return (x + u * vx, y + u * vy, z + u * vz), (vx + ax, vy + ay, vz + az)
+
+    def bounds(self) -> Bounds:
+        """See ``Bounds``: the pieces join, and on each the speed is greatest at one of its ends."""
+        return self._bounds
+
+    @cached_property
+    def _bounds(self) -> Bounds:
+        low, high, origin, vel, half = self._table[:, 0], self._table[:, 1], self._table[:, 2], self._table[:, 6:9], self._table[:, 9:12]
+        straight = ~half.any(axis=1)  # and may last forever
+        ends = [np.where(straight, 0.0, end - origin)[:, None] for end in (low, high)]
+        top = max(float(np.linalg.norm(vel + 2.0 * u * half, axis=1).max()) for u in ends)
+        return Bounds(top, float(low[0]), math.nextafter(float(high[-1]), -math.inf) if math.isfinite(high[-1]) else math.inf)
 
     def sampled(self, time_s: Array) -> tuple[Array, Array]:
         """The same at times (n,), as arrays (n,3)."""

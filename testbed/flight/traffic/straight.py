@@ -1,10 +1,12 @@
 """The straight line at a constant speed: the obstacle of the paper."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from testbed.core.frames import Vec3, vec3
+from testbed.flight.traffic.bounds import Bounds
 from testbed.flight.traffic.track import Shifted, Track, TrackSetting
 
 Array = np.ndarray
@@ -26,6 +28,10 @@ class Straight(NamedTuple):
     def sampled(self, time_s: Array) -> tuple[Array, Array]:
         """The same at times (n,), as arrays (n,3)."""
         return np.asarray(self.pos) + np.outer(time_s, self.vel), np.tile(self.vel, (len(time_s), 1))
+
+    def bounds(self) -> Bounds:
+        """See ``Bounds``."""
+        return Bounds(math.hypot(*self.vel), -math.inf, math.inf)
 
 
 def make_track(setting: TrackSetting) -> Straight:

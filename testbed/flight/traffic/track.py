@@ -10,6 +10,7 @@ import numpy as np
 
 from testbed.core.frames import Vec3, vec3
 from testbed.flight.impossible import NoMeetingError
+from testbed.flight.traffic.bounds import Bounds, bounds_of
 
 Array = np.ndarray
 Covariance = tuple[tuple[float, ...], ...]
@@ -138,13 +139,18 @@ class Shifted(Sampled):
         pos, vel = self._track.sampled(time_s)
         return pos + self._offset + np.outer(time_s - self._time_s, self._carried), vel + self._carried
 
+    def bounds(self) -> Bounds | None:
+        """See ``Bounds``."""
+        own = bounds_of(self._track)
+        return own and own._replace(top_mps=own.top_mps + math.hypot(*self._carried))
+
 
 class Present:
     """A track of an obstacle that appears and leaves; where it would be meanwhile it does not say."""
 
     def __init__(self, track: Track, from_s: float | None, to_s: float | None) -> None:
         self.name, self.radius_m = track.name, track.radius_m
-        self._at, self._sampled = track.at, track.sampled
+        self._track, self._at, self._sampled = track, track.at, track.sampled
         self._from_s, self._to_s = -math.inf if from_s is None else from_s, math.inf if to_s is None else to_s
 
     def at(self, time_s: float) -> tuple[Vec3, Vec3] | None:
@@ -156,6 +162,11 @@ class Present:
         away = (time_s < self._from_s) | (time_s > self._to_s)
         pos, vel = self._sampled(time_s)
         return np.where(away[:, None], np.nan, pos), np.where(away[:, None], np.nan, vel)
+
+    def bounds(self) -> Bounds | None:
+        """See ``Bounds``."""
+        own = bounds_of(self._track)
+        return own and own._replace(from_s=max(own.from_s, self._from_s), to_s=min(own.to_s, self._to_s))
 
 
 class Approach(NamedTuple):
