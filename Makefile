@@ -57,7 +57,7 @@ arena-verify: $(STAMP) ## recompute the shares and ranks of `make arena` from it
 
 # More encounters than forty: make daa ENCOUNTERS=200. Checked against its raw columns, without the testbed's code.
 ENCOUNTERS := 40
-daa: $(STAMP) ## what a small aircraft's sensor must do to keep well clear, about six minutes on two idle cores: reports/daa
+daa: $(STAMP) ## what a small aircraft's sensor must do to keep well clear, 2,880 flights: reports/daa
 	$(BIN)/testbed run campaigns/daa.yaml --fresh --set replicates=$(ENCOUNTERS)
 	$(BIN)/python reports/verify reports/runs/daa
 	$(BIN)/python reports/publish.py reports/runs/daa reports/daa --target daa
