@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from .daa_volumes import entries_of, volumes_of
 from .metrics import metrics_of
 from .raw import read_raw
 from .run import NUMBERS, TAKEN, WORDS, BadInputError, Run, figure_of
@@ -45,6 +46,7 @@ def compare_flights(run: Run) -> tuple[dict[str, dict[str, float | str]], dict[s
     """The metrics of every flight with raw columns, the worst difference of each quantity, and what does not agree."""
     own: dict[str, dict[str, float | str]] = {}
     worst = {name: Comparison() for name in NUMBERS}
+    volumes = volumes_of(run.campaign)
     differences = [Difference("results.csv", "flight", name, "not in the plan", math.inf) for name in run.rows if name not in run.flights]
     for flight_id, file in run.kept():
         row, raw = run.rows[flight_id], read_raw(file)
@@ -52,7 +54,7 @@ def compare_flights(run: Run) -> tuple[dict[str, dict[str, float | str]], dict[s
         if raw.about["flight_id"] != flight_id or row["cell"] != run.flights[flight_id]["cell"]:
             raise BadInputError(f"{file}: of flight {raw.about['flight_id']} in another run, or the tables are of another plan")
         try:
-            found = metrics_of(raw)
+            found = metrics_of(raw) | entries_of(raw, volumes)
         except (KeyError, TypeError, ValueError, IndexError) as problem:
             raise BadInputError(f"{file}: cannot be computed from ({type(problem).__name__}: {problem})") from None
         if row["outcome"] in TAKEN:

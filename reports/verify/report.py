@@ -7,6 +7,7 @@ from pathlib import Path
 
 from .arena import compare_arena
 from .compare import AGREE, compare_counts, compare_flights
+from .daa import compare_risk
 from .paper.claims import compare_claims, compare_figures
 from .run import BadInputError, Run, keeps, open_run
 
@@ -51,6 +52,11 @@ def verify(path: Path, say: Callable[[str], None]) -> bool:
         agreed, unlike = compare_arena(run, own)
         differences += unlike
         say(f"{agreed} shares and ranks of the arena agree")
+    if (path / "risk.csv").is_file():
+        agreed, ahead, unlike = compare_risk(run, own)
+        differences += unlike
+        beside = f"; {ahead} of volumes that reach ahead are not judged here" if ahead else ""
+        say(f"{agreed} shares and ratios of risk agree{beside}")
     if differences:
         differences.sort(key=lambda one: -one.size)
         say(f"{len(differences)} differences above {AGREE:g}" + (f", the first {SHOWN}:" if len(differences) > SHOWN else ":"))

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from testbed.campaign.reading.blocks import weighted
 from testbed.campaign.words.daa import SPHERE
 from testbed.campaign.words.settings import Campaign
 from testbed.results import statistics
-from testbed.results.columns import METRICS, Column, Kind
+from testbed.results.columns import METRICS, WEIGHT, Column, Kind
 from testbed.results.daa.columns import as_number, checked, daa_columns
 from testbed.results.flight_row import Row, value
 from testbed.run.directory import BadInputError
@@ -39,6 +40,8 @@ def refuse(campaign: Campaign) -> None:
             raise BadInputError(
                 f"stop.column: no column '{column}' of numbers or of true and false{what}; there are: {_few(ratios + fits)}"
             )
+    if weighted(campaign):
+        known[WEIGHT.name] = WEIGHT
     weight = campaign.daa.weight if campaign.daa else ""
     if weight and not weight.startswith("label.") and (weight not in known or known[weight].kind is not Kind.NUMBER):
         raise BadInputError(f"daa.weight: no column '{weight}' of numbers; an axis of the sweep is 'label.<axis>'")

@@ -3,11 +3,14 @@
 from typing import Final
 
 from testbed.results.columns import BY_NAME
+from testbed.results.daa.columns import title
 from testbed.results.statistics import Effect
 from testbed.show import words
 
 KEPT: Final = "kept"
-"""The share that keeps every radius; the other metrics are columns of the results."""
+"""The share that keeps every radius; the other metrics are columns of the results, or ratios of risk."""
+RATIO: Final = "ratio."
+"""What the name of a ratio of risk begins with; the rest is its volume."""
 TITLES: Final = {
     "air.wind.speed_mps": "wind speed (m/s)",
     "wind_mps": "wind speed (m/s)",
@@ -33,6 +36,8 @@ def metric_title(name: str) -> str:
     """A metric for people, with its unit in brackets."""
     if name == KEPT:
         return "share that keeps every radius"
+    if name.startswith(RATIO):
+        return f"ratio of risk, {title(name.removeprefix(RATIO))}"
     column = BY_NAME[name]
     return f"{column.heading} ({column.unit})" if column.unit else column.heading
 
@@ -41,10 +46,19 @@ def metric_text(name: str, amount: float, unit: bool = True) -> str:
     """A value of a metric as it is shown everywhere."""
     if name == KEPT:
         return words.percent(amount)
+    if name.startswith(RATIO):
+        return words.number(amount, 2)
     column = BY_NAME[name]
     return words.number(amount, column.digits, column.unit if unit else "")
 
 
 def interval_text(name: str, effect: Effect) -> str:
     """Its interval; a dash where there are too few flights for one."""
-    return words.interval(effect.low, effect.high, "share" if name == KEPT else "", None if name == KEPT else BY_NAME[name].digits)
+    if name == KEPT:
+        return words.interval(effect.low, effect.high, "share")
+    return words.interval(effect.low, effect.high, "", 2 if name.startswith(RATIO) else BY_NAME[name].digits)
+
+
+def less_is_better(name: str) -> bool:
+    """Of a metric that is no share of successes and no clearance."""
+    return name.startswith(RATIO) or (name != KEPT and BY_NAME[name].worse == "high")

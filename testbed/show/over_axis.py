@@ -111,8 +111,10 @@ class HeatMap:
 class OverAxes:
     """Watches the rows of a campaign go by, and says afterwards what there is to draw."""
 
-    def __init__(self) -> None:
-        self._cells: dict[str, Cell] = {}
+    def __init__(self, cells: Iterable[Cell] = (), metrics: Sequence[str] = METRICS) -> None:
+        """To watch the rows; or with cells whose numbers, of such metrics, are there already."""
+        self._cells = {str(k): cell for k, cell in enumerate(cells)}
+        self._metrics = tuple(metrics)
 
     def watch(self, rows: Iterable[Row]) -> Iterator[Row]:
         """The same rows, each counted."""
@@ -206,7 +208,7 @@ class OverAxes:
     def metrics(self) -> list[str]:
         """Those of which there is a number to draw. The share of a single flight is none."""
         drawn = self.drawn()
-        known = [name for name in METRICS if any(math.isfinite(cell.effects[name].value) for cell in drawn)]
+        known = [name for name in self._metrics if any(math.isfinite(cell.effects[name].value) for cell in drawn)]
         return [name for name in known if name != KEPT or any(cell.met > 1 for cell in drawn)]
 
     def sentences(self) -> list[str]:

@@ -1,15 +1,14 @@
 """The pictures of a metric over axes as static SVG: readable without JavaScript, in the dark and on paper."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from markupsafe import Markup, escape
 
-from testbed.results.columns import BY_NAME
 from testbed.results.statistics import Effect
 from testbed.show import palette
-from testbed.show.axis_words import KEPT, axis_title, interval_text, metric_text, metric_title, place_text
+from testbed.show.axis_words import KEPT, RATIO, axis_title, interval_text, less_is_better, metric_text, metric_title, place_text
 from testbed.show.figures import CATEGORIES
 from testbed.show.key_frames import STROKES
 from testbed.show.over_axis import Curves, Grid, HeatMap, Line, OverAxes, Panel
@@ -23,6 +22,8 @@ BAD, GOOD = palette.rgba(palette.VERMILLION)[:3], palette.rgba(palette.BLUE)[:3]
 
 Style = dict[str, str]
 Range = tuple[float, float]
+Limits = Mapping[str, float]
+NO_LIMITS: Final[Limits] = {}
 
 
 def styles(names: Sequence[str]) -> dict[str, Style]:
@@ -37,17 +38,22 @@ def styles(names: Sequence[str]) -> dict[str, Style]:
     return made
 
 
-def pictures(over: OverAxes) -> dict[str, Any] | None:
-    """What the template needs: the metrics, by figure its panels in each of them, the lines' colours, the table. None without an axis."""
+def pictures(over: OverAxes, limits: Limits = NO_LIMITS) -> dict[str, Any] | None:
+    """What the template needs: the metrics, by figure its panels in each of them, the lines' colours, the table. None without an axis.
+
+    ``limits``: of metrics of which less is better, up to where they are good enough; drawn as a line, and as a frame about the cells
+    whose whole interval is.
+    """
     if not over.curves:
         return None
     metrics = over.metrics()
     lines = list(dict.fromkeys(line.method for curve in over.curves for panel in curve.panels for line in panel.lines))
     looks = styles(lines)
-    figures = [_curve_figure(curve, metrics, looks) for curve in over.curves] + [_heat_figure(pair, metrics) for pair in over.heat_maps]
+    curves = [_curve_figure(curve, metrics, looks, limits) for curve in over.curves]
+    maps = [_heat_figure(pair, metrics, limits) for pair in over.heat_maps]
     return {
         "metrics": [metric_title(name) for name in metrics],
-        "figures": figures,
+        "figures": maps + curves if limits else curves + maps,  # where there is a limit, the maps show at a glance where it is kept
         "legend": [{"name": name, **looks[name]} for name in lines],
         "table": table(over, metrics),
     }
@@ -68,38 +74,48 @@ def table(over: OverAxes, metrics: Sequence[str]) -> dict[str, Any]:
     return {"axes": axes, "metrics": [metric_title(name) for name in metrics], "rows": rows}
 
 
-def _curve_figure(curve: Curves, metrics: Sequence[str], looks: dict[str, Style]) -> dict[str, Any]:
+def _curve_figure(curve: Curves, metrics: Sequence[str], looks: dict[str, Style], limits: Limits) -> dict[str, Any]:
     each = []
     for name in metrics:
         span = _range(name, [cell.effects[name] for panel in curve.panels for line in panel.lines for _, cell in line.points])
         draw = _polar if curve.round else _curve
-        each.append([{"title": panel.title, "svg": draw(panel, name, span, looks, curve.title)} for panel in curve.panels])
+        limit = limits.get(name, math.nan)
+        each.append([{"title": panel.title, "svg": draw(panel, name, span, looks, curve.title, limit)} for panel in curve.panels])
     if curve.round:
         notes = ["Direction it comes from: north is up" for _ in metrics]
     else:
         effects = [cell.effects for panel in curve.panels for line in panel.lines for _, cell in line.points]
         notes = ["Bars: 95 % interval" if any(one[name].low < one[name].high for one in effects) else "" for name in metrics]
+        notes = [note + (f"; dashed: {metric_text(name, limits[name])}" if note and name in limits else "")
+                 for name, note in zip(metrics, notes, strict=True)]  # fmt: skip
     return {"title": f"over {curve.title}", "notes": notes, "left_out": curve.left_out, "each": each}
 
 
-def _heat_figure(pair: HeatMap, metrics: Sequence[str]) -> dict[str, Any]:
+def _heat_figure(pair: HeatMap, metrics: Sequence[str], limits: Limits) -> dict[str, Any]:
     across, upward = axis_title(pair.across), axis_title(pair.upward)
     each = []
     for name in metrics:
         span = _range(name, [cell.effects[name] for grid in pair.grids for cell in grid.cells.values()])
-        each.append([{"title": grid.title, "svg": _heat(grid, name, span, pair)} for grid in pair.grids])
+        limit = limits.get(name, math.nan)
+        each.append([{"title": grid.title, "svg": _heat(grid, name, span, pair, limit)} for grid in pair.grids])
     return {
         "title": f"over {across}, and {upward}",
-        "notes": ["Blue: better; orange: worse" for _ in metrics],
+        "notes": [
+            "Blue: better; orange: worse"
+            + (f"; framed: the whole interval is at most {metric_text(name, limits[name])}" if name in limits else "")
+            for name in metrics
+        ],
         "left_out": pair.left_out,
         "each": each,
     }
 
 
 def _range(name: str, effects: Sequence[Effect]) -> Range:
-    """Of what is drawn, intervals included; a share from nothing to all, a clearance with 0 in it."""
+    """Of what is drawn, intervals included; a share from nothing to all, a clearance with 0 in it. Intervals of ratios may be endless."""
     if name == KEPT:
         return 0.0, 1.0
+    if name.startswith(RATIO):
+        return 0.0, max(1.05, *(1.05 * one.value for one in effects if math.isfinite(one.value)), 0.0)
     known = [x for one in effects for x in (one.value, one.low, one.high) if math.isfinite(x)] or [0.0]
     low, high = min(known), max(known)
     if name == "least_clearance_m":
@@ -132,7 +148,7 @@ def _label(panel_title: str, name: str, axis: str) -> str:
     return str(escape(f"{metric_title(name)} over {axis}: {panel_title}"))
 
 
-def _curve(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: str) -> Markup:
+def _curve(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: str, limit: float) -> Markup:
     places = sorted({x for line in panel.lines for x, _ in line.points})
     first, last = places[0], places[-1]
 
@@ -140,7 +156,7 @@ def _curve(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: 
         return LEFT + (WIDTH - LEFT - RIGHT - 16.0) * (x - first) / (last - first or 1.0) + 8.0
 
     def py(y: float) -> float:
-        return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (y - span[0]) / (span[1] - span[0])
+        return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (min(y, span[1]) - span[0]) / (span[1] - span[0])
 
     parts = [f'<svg viewBox="0 0 {WIDTH:.0f} {HEIGHT:.0f}" role="img" aria-label="{_label(panel.title, name, axis)}">']
     if name == "least_clearance_m" and span[0] < 0.0:
@@ -151,6 +167,8 @@ def _curve(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: 
     for tick in _ticks(*span):
         parts.append(f'<path class="oa-grid" d="M{LEFT:.0f} {py(tick):.1f}H{WIDTH - RIGHT:.0f}"/>')
         parts.append(_text(LEFT - 5.0, py(tick) + 4.0, _tick_text(name, tick), "end"))
+    if math.isfinite(limit):
+        parts.append(f'<path class="oa-limit" d="M{LEFT:.0f} {py(limit):.1f}H{WIDTH - RIGHT:.0f}"/>')
     for x in places if len(places) <= MOST_TICKS else _ticks(first, last):
         parts.append(_text(px(x), HEIGHT - BOTTOM + 15.0, place_text(x), "middle"))
     parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 6.0, axis, "middle"))
@@ -175,7 +193,7 @@ def _drawn_line(line: Line, name: str, look: Style, at: Any, closed: bool) -> li
     return [*parts, "</g>"]
 
 
-def _polar(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: str) -> Markup:
+def _polar(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: str, limit: float) -> Markup:
     middle, reach = ROUND / 2, ROUND / 2 - RIM
 
     def at(degrees: float, y: float) -> tuple[float, float]:
@@ -185,6 +203,8 @@ def _polar(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: 
 
     parts = [f'<svg viewBox="0 0 {ROUND:.0f} {ROUND:.0f}" role="img" aria-label="{_label(panel.title, name, axis)}">']
     zero = name == "least_clearance_m"
+    if math.isfinite(limit):
+        parts.append(f'<circle class="oa-limit" cx="{middle:.0f}" cy="{middle:.0f}" r="{middle - at(0.0, min(limit, span[1]))[1]:.1f}"/>')
     for tick in sorted({*_ticks(*span, about=4), *([0.0] if zero else [])}):
         edge = at(0.0, tick)
         ring = "oa-zero" if zero and tick == 0.0 else "oa-grid"
@@ -205,18 +225,22 @@ def _polar(panel: Panel, name: str, span: Range, looks: dict[str, Style], axis: 
 
 
 def _shade(name: str, amount: float, span: Range) -> tuple[int, int, int]:
-    """Orange for worse, blue for better. A clearance has its middle at 0, what is better when it is low begins blue."""
+    """Orange for worse, blue for better. A clearance has its middle at 0, what is better when it is low begins blue, a ratio of 1 or
+    more is as bad as any.
+    """
+    if name.startswith(RATIO):
+        span = 0.0, 1.0
     if name == "least_clearance_m":
         share = amount / (span[1] if amount > 0.0 else -span[0]) if amount else 0.0
     else:
         share = 2.0 * (amount - span[0]) / (span[1] - span[0]) - 1.0
-        share = -share if name != KEPT and BY_NAME[name].worse == "high" else share
+        share = -share if less_is_better(name) else share
     end, much = (GOOD if share > 0.0 else BAD), min(abs(share), 1.0)
     red, green, blue = (round(a + much * (b - a)) for a, b in zip(HALF_WAY, end, strict=True))
     return red, green, blue
 
 
-def _heat(grid: Grid, name: str, span: Range, pair: HeatMap) -> Markup:
+def _heat(grid: Grid, name: str, span: Range, pair: HeatMap, limit: float) -> Markup:
     across, upward = axis_title(pair.across), axis_title(pair.upward)
     columns, rows = ([*sorted({place[k] for place in grid.cells})] for k in (0, 1))
     wide, tall = max((WIDTH - LEFT - RIGHT) / len(columns), 26.0), 30.0
@@ -237,6 +261,10 @@ def _heat(grid: Grid, name: str, span: Range, pair: HeatMap) -> Markup:
             f'<rect x="{left + 1:.1f}" y="{top + 1:.1f}" width="{wide - 2:.1f}" height="{tall - 2:.0f}" rx="3" '
             f'fill="rgb({shade[0]},{shade[1]},{shade[2]})"><title>{said}</title></rect>'
         )
+        if effect.high <= limit:
+            parts.append(
+                f'<rect class="oa-frame" x="{left + 2:.1f}" y="{top + 2:.1f}" width="{wide - 4:.1f}" height="{tall - 4:.0f}" rx="2"/>'
+            )
         written = metric_text(name, effect.value, unit=False).removesuffix(" %")
         parts.append(_text(left + wide / 2, top + tall / 2 + 4.0, written, "middle", "oa-dark" if bright else "oa-bright"))
     for k, x in enumerate(columns):

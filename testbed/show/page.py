@@ -62,6 +62,9 @@ def render_page(
     moving = head.scenes if head and head.scenes else scenes(of.pictured, series, axes)
     over_axis = pictures(over)
     told = campaign_summary.sentences(of, matched, over.sentences()) if of.n else []
+    of_risk = risk_part(risk, campaign.daa, [axis for axis in listed_axes if axis in axes])
+    if of_risk and of_risk["axes"] and of_risk["axes"]["answer"]:
+        told = [of_risk["axes"]["answer"], *told]
     flights = flights_table(of, axes, listed_axes, series)
     parts = {
         "words": "Words" if told or checks else "",
@@ -109,7 +112,7 @@ def render_page(
             has_pictures=bool(figures["groups"]),
             player=player(moving, series),
             over_axis=over_axis,
-            risk=risk_part(risk, campaign.daa, [axis for axis in listed_axes if axis in axes]),
+            risk=of_risk,
             css=_assets(*STYLES, *(["risk.css"] if risk else [])) + (head.css if head else Markup()),
             script=_assets(*SCRIPTS) + (head.script if head else Markup()) + Markup("Plots.run();"),
             figures=packed_json(figures) if figures["groups"] else "",

@@ -15,6 +15,7 @@ from testbed.show import words
 from testbed.show.campaign_summary import circumstances
 from testbed.show.gathered import flyer, method
 from testbed.show.misses_svg import misses_svg
+from testbed.show.risk_over_axes import axes_part
 from testbed.show.words import number, percent
 
 MOST_RATIOS: Final = 200
@@ -36,7 +37,8 @@ def risk_part(risk: Risk | None, daa: Daa | None, axes: Sequence[str]) -> dict[s
         "ratios_left_out": len(risk.ratios) - len(shown),
         "unpaired": risk.unpaired,
         "unweighted": risk.unweighted,
-        "weight": daa.weight,
+        "weight": risk.weight,
+        "axes": axes_part(risk, daa),
         "matrices": [_matrix(one) for one in eventful[:MOST_MATRICES]],
         "matrices_left_out": max(0, len(eventful) - MOST_MATRICES),
         "limits": [

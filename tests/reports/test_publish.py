@@ -44,6 +44,11 @@ def test_the_page_and_the_verdict_of_a_run_are_published(tmp_path: Path) -> None
     assert publish(run, folder) == (0, "")
     assert sorted(file.name for file in folder.iterdir()) == ["index.html", "verdict.csv"]
     assert (folder / "index.html").read_text() == published(PAGE, run.as_posix())
+    (run / "risk.csv").write_text("ratio\n")
+    assert publish(run, tmp_path / "daa", "--target", "daa") == (0, "")
+    assert sorted(file.name for file in (tmp_path / "daa").iterdir()) == ["index.html", "risk.csv"]
+    page = (tmp_path / "daa" / "index.html").read_text()
+    assert ("make daa" in page, "lead_time" in page, links(page)) == (True, False, {"verdict.csv"})
     (run / "verdict.csv").unlink()
     code, why = publish(run, folder)
     assert (code, "verdict.csv" in why, "Traceback" in why) == (2, True, False)
@@ -51,13 +56,15 @@ def test_the_page_and_the_verdict_of_a_run_are_published(tmp_path: Path) -> None
     assert publish(run, folder)[0] == 2
 
 
-def publish(run: Path, folder: Path) -> tuple[int, str]:
-    done = subprocess.run([sys.executable, REPORTS / "publish.py", run, folder], capture_output=True, text=True, check=False)
+def publish(run: Path, folder: Path, *more: str) -> tuple[int, str]:
+    done = subprocess.run([sys.executable, REPORTS / "publish.py", run, folder, *more], capture_output=True, text=True, check=False)
     return done.returncode, done.stderr
 
 
 @pytest.mark.parametrize(
-    "page", [page for name in ("paper", "lead_time", "arena") for page in REPORTS.glob(f"{name}/*.html")], ids=lambda page: page.parent.name
+    "page",
+    [page for name in ("paper", "lead_time", "arena", "daa") for page in REPORTS.glob(f"{name}/*.html")],
+    ids=lambda page: page.parent.name,
 )
 def test_no_committed_page_links_to_what_is_not_there(page: Path) -> None:
     for name in links(page.read_text(encoding="utf-8")):

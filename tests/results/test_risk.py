@@ -76,6 +76,20 @@ def test_weights_count_an_encounter_as_so_many() -> None:
     assert (near.encounters, near.resolved, found.unweighted) == (4, 2, 1)
 
 
+def test_the_weight_of_a_drawn_encounter_counts_without_being_asked_for() -> None:
+    """Rows of encounters that count 1 say nothing of it."""
+    kinds = [("both", 3.0), ("saved", 0.5), ("induced", 1.0), ("saved", 1.0)]
+    rows = [row(method, k, KINDS[kind][m]) for m, method in enumerate(("none", "scoam")) for k, (kind, _) in enumerate(kinds)]
+    assert risk_of(rows, DAA, seed=1).weight == ""
+    drawn = [one | ({} if (w := kinds[one["replicate"]][1]) == 1.0 else {"weight": w}) for one in rows]
+    found = risk_of(drawn, DAA, seed=1)
+    near = found.ratios[1]
+    assert (found.weight, found.unweighted) == ("weight", 0)
+    assert near.interval.value == pytest.approx(4.0 / 4.5, abs=1e-12)
+    assert (near.share_without, near.share_with) == pytest.approx((4.5 / 5.5, 4.0 / 5.5), abs=1e-12)
+    assert risk_of(drawn, DAA.model_copy(update={"weight": "encounter_radius_m"}), seed=1).ratios[1].interval.value == 2 / 3
+
+
 @pytest.mark.slow
 def test_a_thousand_intervals_cover_the_known_ratio() -> None:
     """400 encounters, 40 % with an event without avoidance, ratio 0.30 of which 0.05 is induced; a third of them with weights."""

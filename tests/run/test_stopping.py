@@ -100,6 +100,34 @@ def test_a_column_that_there_is_not_is_refused_before_anything_is_flown(tmp_path
     assert flown(tmp_path) == []
 
 
+MET = """\
+name: met
+question: Do they meet?
+seed: 1
+replicates: 2
+route: {start_enu_m: [0, 0, 0], goal_enu_m: [500, 0, 0], start_direction_deg: [0, 0], goal_direction_deg: [0, 0]}
+encounters:
+  kind: approaches
+  own_at_enu_m: [25, 0, 0]
+  own_direction_deg: [0, 0]
+  miss_m: MISS
+  crossing_deg: 90
+  speed_mps: 30
+  time_to_cpa_s: 5
+  radius_m: 25
+daa: {weight: weight}
+"""
+
+
+def test_the_weight_of_encounters_can_be_named_where_they_have_one(tmp_path):
+    file = tmp_path / "met.yaml"
+    file.write_text(MET.replace("MISS", "{edges: [0, 25, 60], chances: [0.25, 0.75], drawn: [0.5, 0.5]}"))
+    stopping.refuse(load_campaign(file))
+    file.write_text(MET.replace("MISS", "[0, 60]"))
+    with pytest.raises(BadInputError, match=r"daa\.weight: no column 'weight' of numbers"):
+        stopping.refuse(load_campaign(file))
+
+
 def test_validate_says_how_many_flights_a_width_takes(tmp_path):
     n = power.flights_for_share(0.1)
     assert 0.1 >= share_interval(n // 2, n)[1] - share_interval(n // 2, n)[0] > 0.0995

@@ -92,7 +92,10 @@ class Daa(Section):
     needed_by: str = SPHERE
     """Into which volume the route has to lead for a manoeuvre to be needed: sphere (the obstacle's own), or the name of one."""
     weight: str = ""
-    """Column of results.csv with the weight of an encounter (an axis of the sweep as `label.<axis>`); empty: all weigh the same."""
+    """Column of results.csv with the weight of an encounter (an axis of the sweep as `label.<axis>`); empty: the column `weight` of
+    encounters that have one (`drawn`), else all weigh the same."""
+    accepted_ratio: Annotated[Number, Field(gt=0, le=1000)] = 0.3
+    """Ratio of risk that is good enough where the upper end of its interval is no more; the page says where on the axes that is."""
     power: Power | None = None
     """What is expected and how narrow an interval is wanted: `testbed validate` then says how many encounters that takes."""
 

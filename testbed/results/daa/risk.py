@@ -17,7 +17,7 @@ import numpy as np
 
 from testbed.campaign.words.daa import SPHERE, Daa
 from testbed.core.seeds import stream
-from testbed.results.columns import AXIS
+from testbed.results.columns import AXIS, WEIGHT
 from testbed.results.daa.bootstrap import Interval, ratio_interval
 from testbed.results.daa.cells import DaaCells
 from testbed.results.daa.columns import daa_columns, entered, limits_text
@@ -28,6 +28,7 @@ WIDE: Final = 0.5
 """An interval that is wider than so much of its ratio says little: it is pointed out."""
 MOST_POINTS: Final = 1500
 """Flights of a method in the picture of misses: the first of them."""
+FLOWN: Final = ("labels", "plant", "aircraft", "method")
 NAN = math.nan
 
 Labels = tuple[tuple[str, str], ...]
@@ -51,6 +52,8 @@ class Ratio:
     interval: Interval
     unresolved_ratio: float
     induced_ratio: float
+    first: Row = field(repr=False)
+    """Of the first flight with avoidance: what flew, and all its labels."""
 
     @property
     def width(self) -> float:
@@ -66,6 +69,7 @@ class Ratio:
 class _Group:
     """Flights of a method in some circumstances."""
 
+    first: Row
     keys: list[int] = field(default_factory=list)
     events: list[bytes] = field(default_factory=list)
 
@@ -79,6 +83,8 @@ class Risk:
     """Flights with avoidance whose encounter has no flight without."""
     unweighted: int = 0
     """Pairs without a weight, or with one below 0."""
+    weight: str = ""
+    """The column by which encounters weigh; nothing where all weigh the same."""
     misses: dict[Labels, list[tuple[float, float]]] = field(default_factory=dict)
     """Who avoids (nothing for nobody) to horizontal and vertical miss."""
     left_out: int = 0
@@ -92,7 +98,8 @@ def risk_of(rows: Iterable[Row], daa: Daa, seed: int) -> Risk:
     circumstances: dict[Labels, int] = {}
     unmitigated: dict[int, tuple[bytes, float]] = {}
     groups: dict[tuple[Labels, Labels], _Group] = {}
-    risk = Risk(cells=DaaCells(daa_columns(daa)))
+    risk = Risk(cells=DaaCells(daa_columns(daa)), weight=daa.weight)
+    weight_of = daa.weight or WEIGHT.name
     for row in rows:
         risk.cells.add(row)
         labels = tuple((axis, str(label)) for axis, label in row["labels"].items())
@@ -102,11 +109,14 @@ def risk_of(rows: Iterable[Row], daa: Daa, seed: int) -> Risk:
         _see(risk, method if avoids else (), row)
         key = circumstances.setdefault(tuple(sorted(rest)), len(circumstances)) * 1_000_000 + int(row["replicate"])
         if avoids:
-            group = groups.setdefault((rest, method), _Group())
+            group = groups.setdefault((rest, method), _Group({name: row[name] for name in FLOWN}))
             group.keys.append(key)
             group.events.append(_events(row, names))
         elif key not in unmitigated:
-            unmitigated[key] = (_events(row, names), _weight(row, daa.weight))
+            weight = _weight(row, weight_of)
+            unmitigated[key] = (_events(row, names), weight)
+            if weight != 1.0:
+                risk.weight = weight_of
     if unmitigated:
         for (rest, method), group in groups.items():
             _add_ratios(risk, (rest, method), group, unmitigated, names, seed)
@@ -146,10 +156,9 @@ def _events(row: Row, names: Sequence[str]) -> bytes:
 
 
 def _weight(row: Row, name: str) -> float:
-    """NaN for what is no weight."""
-    if not name:
-        return 1.0
-    said: Any = row["labels"].get(name.removeprefix(AXIS)) if name.startswith(AXIS) else row.get(name)
+    """NaN for what is no weight. Rows of encounters that are drawn as often as they occur do not say that they count 1."""
+    unsaid = 1.0 if name == WEIGHT.name else None
+    said: Any = row["labels"].get(name.removeprefix(AXIS)) if name.startswith(AXIS) else row.get(name, unsaid)
     try:
         weight = float(said)
     except (TypeError, ValueError):
@@ -173,12 +182,13 @@ def _add_ratios(
     for k, name in enumerate(names):
         known = (with_[:, k] != _UNKNOWN) & (without[:, k] != _UNKNOWN)
         rng = stream(seed, 0, f"risk.{name}")
-        risk.ratios.append(_ratio(who, name, weights[known], without[known, k], with_[known, k], rng))
+        risk.ratios.append(_ratio(who, group.first, name, weights[known], without[known, k], with_[known, k], rng))
 
 
 def _ratio(
-    who: tuple[Labels, Labels], name: str, weights: np.ndarray, without: np.ndarray, with_: np.ndarray, rng: np.random.Generator
-) -> Ratio:
+    who: tuple[Labels, Labels], first: Row, name: str, weights: np.ndarray, without: np.ndarray, with_: np.ndarray,
+    rng: np.random.Generator,
+) -> Ratio:  # fmt: skip
     e0, e1 = without.astype(float), with_.astype(float)
     kinds = Counter(zip(without.tolist(), with_.tolist(), strict=True))
     below, both, induced, every = (float(weights @ event) for event in (e0, e0 * e1, (1.0 - e0) * e1, np.ones(len(weights))))
@@ -195,6 +205,7 @@ def _ratio(
         interval=ratio_interval(weights, e0, e1, rng),
         unresolved_ratio=both / below if below else NAN,
         induced_ratio=induced / below if below else NAN,
+        first=first,
     )
 
 
