@@ -57,6 +57,8 @@ def _quoted(names: Sequence[Any]) -> str:
 
 def _choice(expected: str, value: Any) -> tuple[str, str]:
     """(message, hint) for a name that is none of pydantic's ``'a', 'b' or 'c'``."""
+    if "'" not in expected:  # numbers: "1 or 2"
+        return f"must be {expected}, not {shown(value)}", ""
     names = expected.split("'")[1::2]
     allowed = f"must be {'one of ' if len(names) > 1 else ''}{_quoted(names)}, not "
     return allowed + (f"'{clipped(value, MAX_SHOWN)}'" if isinstance(value, str) else shown(value)), did_you_mean(str(value), names)
