@@ -1,6 +1,7 @@
 """Pydantic's errors in plain words, in the unit that the user wrote."""
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -34,6 +35,8 @@ _WANTED = {
     "model_attributes_type": "a section (keys and values)",
 }
 _NUMBERS = ("float_type", "int_type")
+_ALTERNATIVE = re.compile(r"constrained-\w+|[\w-]+\[.*\]")
+_PLAIN = ("float", "int", "str", "bool")
 MAX_SHOWN = 40
 """Characters of a value that a message repeats."""
 
@@ -96,6 +99,8 @@ def unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
         message, hint = f"must be {_WANTED[kind]}, not {shown(value)}", _unit_advice(value, unit) if kind in _NUMBERS else ""
     elif kind == "literal_error":
         message, hint = _choice(context["expected"], value)
+    elif kind == "alternatives":
+        message = f"must be {context['wanted']}, not {shown(value)}"
     elif kind == "unknown_name":
         elsewhere = "`testbed --aircraft-path DIR` looks elsewhere too" if context["what"] == "aircraft" else ""
         message, hint = error["msg"], did_you_mean(str(value), context["listing"].split(", ")) or elsewhere
@@ -114,6 +119,35 @@ def unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     else:
         message = error["msg"].replace("Input should be", "must be")
     return message, hint
+
+
+def of_unions(errors: Sequence[ErrorDetails]) -> list[ErrorDetails]:
+    """The errors without pydantic's names of a union's alternatives in their places, and one for each value that is none of them.
+
+    A value that is of an alternative's type is told what that one wants of it; any other what all of them are.
+    """
+    found: dict[Loc, list[tuple[int, ErrorDetails]]] = {}
+    for error in errors:
+        loc = error["loc"]
+        cut = next((k for k, part in enumerate(loc) if k and _names_alternative(part, k == len(loc) - 1)), None)
+        bare: ErrorDetails = error if cut is None else {**error, "loc": (*loc[:cut], *loc[cut + 1 :])}  # type: ignore[typeddict-item]
+        found.setdefault(("", len(found)) if cut is None else loc[:cut], []).append((len(loc) if cut is None else cut, bare))
+    return [one for group in found.values() for one in _of_one_value(group)]
+
+
+def _names_alternative(part: int | str, last: bool) -> bool:
+    return isinstance(part, str) and (bool(_ALTERNATIVE.fullmatch(part)) or (last and part in _PLAIN))
+
+
+def _of_one_value(group: list[tuple[int, ErrorDetails]]) -> list[ErrorDetails]:
+    if len(group) == 1:
+        return [group[0][1]]
+    if inside := [error for cut, error in group if len(error["loc"]) > cut]:
+        return inside
+    fits = [error for _, error in group if error["type"] not in (*_WANTED, "literal_error")]
+    wanted = [_WANTED.get(error["type"]) or error["ctx"]["expected"] for _, error in group if error not in fits]
+    first = group[0][1]
+    return fits[:1] or [{**first, "type": "alternatives", "ctx": {"wanted": " or ".join(dict.fromkeys(wanted))}}]
 
 
 def follows(error: ErrorDetails) -> bool:

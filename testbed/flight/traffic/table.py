@@ -148,7 +148,8 @@ def _parquet(data: bytes) -> _Read:
         twice = _twice(pq.read_schema(pa.BufferReader(data)).names)
         read = None if twice else pq.read_table(pa.BufferReader(data)).combine_chunks()
     except (pa.ArrowException, OSError, ValueError) as problem:
-        raise ValueError(f"is no Parquet file that can be read: {clipped(str(problem).partition('\n')[0], 100)}") from None
+        why = str(problem).partition("\n")[0]
+        raise ValueError(f"is no Parquet file that can be read: {clipped(why, 100)}") from None
     if read is None:
         raise ValueError(f"has two columns '{plain(twice)}'")
     return _Read(read, np.arange(1, read.num_rows + 1))
