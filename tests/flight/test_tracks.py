@@ -1,6 +1,7 @@
 """Tracks that are no straight line: legs and waypoints in closed form, files against the track that they were written from."""
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -116,7 +117,7 @@ def test_how_fast_and_how_far_a_track_gets_between_rows(rows: list[tuple[float, 
     """Against places and velocities at many times of each interval."""
     time_s, pos = np.cumsum([row[0] for row in rows]), np.array([(x, y, 0.1 * x) for _, x, y in rows])
     track, (speed, reach) = Pieces("O", 1.0, smooth(time_s, pos)), extremes(time_s, pos)
-    for k, (begin, end) in enumerate(zip(time_s, time_s[1:], strict=False)):
+    for k, (begin, end) in enumerate(pairwise(time_s)):
         places, vel = track.sampled(np.linspace(begin, math.nextafter(end, 0.0), 2001))
         assert np.linalg.norm(vel, axis=1).max() == pytest.approx(speed[k], rel=1e-6, abs=1e-6)
         assert np.abs(places).max(axis=0) == pytest.approx(reach[k], rel=1e-4, abs=1e-3)

@@ -95,12 +95,11 @@ def unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     elif kind == "out_of_bounds":
         limit, words, why = (context[key] for key in ("limit", "words", "why"))
         message = f"must be {words} {f'{limit:g} {unit}'.strip()}, not {f'{shown(value)} {unit}'.strip()}: {why}"
-    elif kind in _WANTED:
-        message, hint = f"must be {_WANTED[kind]}, not {shown(value)}", _unit_advice(value, unit) if kind in _NUMBERS else ""
+    elif kind in _WANTED or kind == "alternatives":
+        wanted = _WANTED.get(kind) or context["wanted"]
+        message, hint = f"must be {wanted}, not {shown(value)}", _unit_advice(value, unit) if kind in _NUMBERS else ""
     elif kind == "literal_error":
         message, hint = _choice(context["expected"], value)
-    elif kind == "alternatives":
-        message = f"must be {context['wanted']}, not {shown(value)}"
     elif kind == "unknown_name":
         elsewhere = "`testbed --aircraft-path DIR` looks elsewhere too" if context["what"] == "aircraft" else ""
         message, hint = error["msg"], did_you_mean(str(value), context["listing"].split(", ")) or elsewhere
@@ -130,7 +129,7 @@ def of_unions(errors: Sequence[ErrorDetails]) -> list[ErrorDetails]:
     for error in errors:
         loc = error["loc"]
         cut = next((k for k, part in enumerate(loc) if k and _names_alternative(part, k == len(loc) - 1)), None)
-        bare: ErrorDetails = error if cut is None else {**error, "loc": (*loc[:cut], *loc[cut + 1 :])}  # type: ignore[typeddict-item]
+        bare: ErrorDetails = error if cut is None else {**error, "loc": (*loc[:cut], *loc[cut + 1 :])}
         found.setdefault(("", len(found)) if cut is None else loc[:cut], []).append((len(loc) if cut is None else cut, bare))
     return [one for group in found.values() for one in _of_one_value(group)]
 
