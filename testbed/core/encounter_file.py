@@ -90,6 +90,8 @@ def _read(name: str, data: bytes) -> tuple[Scripted, ...]:
             made.append(_scripted(sample))
         except ValueError as problem:
             raise ValueError(f"{name}: encounter {k}: {problem}") from None
+    if not any(one.weight > 0.0 for one in made):
+        raise ValueError(f"{name}: all encounters have the weight 0; one must have more")
     return tuple(made)
 
 
@@ -103,13 +105,20 @@ def _scripted(sample: dict[str, Any]) -> Scripted:
         raise ValueError("updates must be a struct for each of two aircraft")
     speed, north, east, up, heading = (_numbers(sample, field, 2) for field in ("v_ftps", "n_ft", "e_ft", "h_ft", "heading_rad"))
     pitch, gain = _numbers(sample, "pitch_rad", 2, 0.0), _numbers(sample, "a_ftpss", 2, 0.0)
+    weight = float(_numbers(sample, "weight", 1, 1.0)[0])
+    if weight < 0.0:
+        raise ValueError(f"weight is {weight:g}; it must not be less than 0")
     aircraft = []
     for k in (0, 1):
+        if speed[k] < 0.0:
+            raise ValueError(f"v_ftps of aircraft {k + 1} is {speed[k]:g}; it must not be less than 0")
+        if abs(pitch[k]) > math.pi / 2.0:
+            raise ValueError(f"pitch_rad of aircraft {k + 1} is {pitch[k]:g}; it must be between -pi/2 and pi/2, straight down and up")
         level, climb = FT * speed[k] * math.cos(pitch[k]), FT * speed[k] * math.sin(pitch[k])
         controls = _controls(updates[k], run_s, FT * gain[k])
         pos = (FT * east[k], FT * north[k], FT * up[k])
         aircraft.append(Flown(pos, level, math.pi / 2.0 - heading[k], climb, _checked(controls, level, k)))
-    return Scripted((aircraft[0], aircraft[1]), float(_numbers(sample, "weight", 1, 1.0)[0]))
+    return Scripted((aircraft[0], aircraft[1]), weight)
 
 
 def _controls(update: dict[str, Any], run_s: float, gain: float) -> tuple[Control, ...]:
@@ -118,7 +127,8 @@ def _controls(update: dict[str, Any], run_s: float, gain: float) -> tuple[Contro
     if not np.isfinite(time_s).all() or (len(time_s) and time_s[0] < 0.0) or (np.diff(time_s) <= 0.0).any():
         raise ValueError("the times of its updates must go up from 0")
     made = [Control(min(time_s[0], run_s), 0.0, None, gain)] if len(time_s) and time_s[0] > 0.0 else []
-    made += [] if len(time_s) else [Control(run_s, 0.0, None, gain)]
+    if not len(time_s):
+        return (Control(run_s, 0.0, None, gain),)
     ends = [*time_s[1:].tolist(), math.inf]
     for begin, end, climb, turn, rate in zip(time_s.tolist(), ends, *(rate.tolist() for rate in rates), strict=True):
         if begin < run_s:

@@ -39,6 +39,7 @@ class Between:
 
 FARTHEST_M = 200_000.0
 HIGHEST_M = 100_000.0
+FASTEST_MPS = 3000.0
 LONGEST_S = 86_400.0
 
 Flat = Between("the ground is taken to be flat, which it is not farther away", -FARTHEST_M, FARTHEST_M)
@@ -54,7 +55,7 @@ Range = Annotated[Positive, Flat]
 Radius = Annotated[Positive, Between("less is a point, not a sphere", least=0.01), Flat]
 Instant = Annotated[Number, ADay]
 Duration = Annotated[Positive, ADay]
-TrafficSpeed = Annotated[NonNegative, Between("nothing in the air is as fast", most=3000.0)]
+TrafficSpeed = Annotated[NonNegative, Between("nothing in the air is as fast", most=FASTEST_MPS)]
 Azimuth = Annotated[Number, Between("that is ten turns", -3600.0, 3600.0)]
 Elevation = Annotated[Number, Field(ge=-90, le=90)]
 Direction = tuple[Azimuth, Elevation]

@@ -1,6 +1,7 @@
 """Tracks that are no straight line: legs and waypoints in closed form, files against the track that they were written from."""
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from testbed.core.geodesy import enu_from_geodetic, geodetic_from_enu
 from testbed.core.seeds import stream
 from testbed.flight.scene import make_scene
 from testbed.flight.traffic.legs import Leg, Legs
-from testbed.flight.traffic.pieces import Pieces, smooth
+from testbed.flight.traffic.pieces import Pieces, extremes, smooth
 from testbed.flight.traffic.track import TrackSetting
 from testbed.flight.traffic.waypoints import Waypoints
 from tests.plans import plan
@@ -110,6 +111,18 @@ def test_a_constant_acceleration_is_exact_whatever_the_rows() -> None:
     assert np.allclose(vel, np.column_stack([20.0 - 1.4 * t, 10.0 * t, np.full_like(t, 2.0)]), atol=1e-9)
 
 
+@settings(max_examples=20)
+@given(st.lists(st.tuples(st.floats(0.05, 5.0), st.floats(-500, 500), st.floats(-500, 500)), min_size=2, max_size=8))
+def test_how_fast_and_how_far_a_track_gets_between_rows(rows: list[tuple[float, float, float]]) -> None:
+    """Against places and velocities at many times of each interval."""
+    time_s, pos = np.cumsum([row[0] for row in rows]), np.array([(x, y, 0.1 * x) for _, x, y in rows])
+    track, (speed, reach) = Pieces("O", 1.0, smooth(time_s, pos)), extremes(time_s, pos)
+    for k, (begin, end) in enumerate(pairwise(time_s)):
+        places, vel = track.sampled(np.linspace(begin, math.nextafter(end, 0.0), 2001))
+        assert np.linalg.norm(vel, axis=1).max() == pytest.approx(speed[k], rel=1e-6, abs=1e-6)
+        assert np.abs(places).max(axis=0) == pytest.approx(reach[k], rel=1e-4, abs=1e-3)
+
+
 def test_latitudes_are_wgs84() -> None:
     """Against the ellipsoid's own formula, and there and back."""
     origin, place = (47.0, 8.5, 430.0), np.array([[47.2, 8.9, 3000.0], [46.9, 8.5, 430.0]])
@@ -158,10 +171,12 @@ def written(folder: Path) -> dict[str, str]:
     columns = {"time": 1714564800 + np.repeat(TIMES, 2), "icao24": ["4b1814", "4b1815"] * len(TIMES)}
     columns |= {name: np.repeat(geo[:, k], 2) for k, name in enumerate(("lat", "lon", "geoaltitude"))}
     pq.write_table(pa.table(columns), folder / "opensky.parquet")
+    (folder / "mac.csv").write_bytes((folder / "enu.csv").read_bytes().replace(b"\n", b"\r"))
     named = "columns: {time_ms: T, east_km: X, north_nmi: Y, up_ft: Z}"
     origin = f"origin_deg_m: {list(ORIGIN)}"
     return {
         "enu.csv": "",
+        "mac.csv": "",
         "feet.csv": named,
         "traffic.csv": f"track: 4b1814, {origin}",
         "opensky.parquet": f"track: 4b1814, {origin}",
@@ -221,7 +236,12 @@ BAD_FILES = [
     ("10,400,0,0", "10,400,0", "row 4: has 3 values under 4 headings"),
     ("15,250", "\n95,250", "row 6: comes 85 s after the row before it; longest_gap_s is 60"),
     ("250", "2.5e6", "row 5: is 2,500 km from the origin; at most 200, as the ground is flat"),
-    ("up_m", "up", "has the columns time_s, east_m, north_m, up, of which none are known to be time and place; name them under 'columns'"),
+    ("up_m", "up", "has no column of up (up_m); if it is called otherwise name all under 'columns'"),
+    (GOOD[:27], "t,x,y,z\n", "has the columns t, x, y, z, of which none are known to be time and place; name them under 'columns'"),
+    ("time_s,", "time_s,time_ms,", "has the columns time_s and time_ms, each of which is the time; name"),
+    ("15,250", "10.001,250", "row 5: is reached at "),
+    ("250", "1e300", "row 5: is 1e+297 km from the origin"),
+    ("0,700", "0\r,700", "row 2: has "),
     (GOOD[27:], "0,1,2,3\n", "has 1 row of that track that can be used; a track has two at least"),
     (GOOD, "", "is empty, or its first row has no headings"),
     (GOOD, "PAR1", "is no Parquet file that can be read: "),
@@ -249,6 +269,13 @@ def test_a_bad_file_is_one_sentence_with_its_row(tmp_path: Path, old: str, new: 
         ("kind: file, speed_mps: 3, options: {path: t.csv}", "a track of the kind 'file' has its own: leave this out"),
         ("kind: file, options: {path: t.csv, columns: {time_s: t}}", "name one of time, and either those of east, north and up or"),
         ("kind: file, options: {path: t.csv, at_track_s: 16}", "at_track_s: 16 s is past the end of the track, which lasts 15 s"),
+        ("kind: file, options: {path: t.csv, origin_deg_m: [1, 2, 3]}", "origin_deg_m: has no effect on t.csv, whose places are in"),
+        ("kind: file, options: {path: t.csv, origin_deg_m: [95, 2, 3]}", "must be at most 90 deg, not 95 deg"),
+        (
+            "kind: file, position_enu_m: [9, 9, 9], options: {path: t.csv, resample_s: 7}",
+            "at_track_s: 0 s is before the first mean of resample_s, which is at 2.5 s",
+        ),
+        ("kind: file, options: {path: bool.parquet}", "bool.parquet: row 1: east_m is no number, but 'True'"),
         ("kind: waypoints, speed_mps: 3, options: {points_enu_m: [[9, 9, 9]]}", "this key is missing"),
         (
             "kind: waypoints, speed_mps: 3, position_enu_m: [9, 9, 9], options: {points_enu_m: [[9, 9, 9]]}",
@@ -264,6 +291,7 @@ def test_a_bad_file_is_one_sentence_with_its_row(tmp_path: Path, old: str, new: 
 def test_a_track_that_cannot_be_is_told_at_its_obstacle(tmp_path: Path, motion: str, said: str) -> None:
     (tmp_path / "t.csv").write_text(GOOD)
     (tmp_path / "geo.csv").write_text("time,lat,lon,baroaltitude\n0,47,8,300\n1,47,8,300\n")
+    pq.write_table(pa.table({"time_s": [0, 1], "east_m": [True, False], "north_m": [1, 2], "up_m": [1, 2]}), tmp_path / "bool.parquet")
     (tmp_path / "two.csv").write_text("time,icao24,lat,lon,baroaltitude\n0,a,47,8,300\n1,b,47,8,300\n")
     (tmp_path / "c.yaml").write_text((HEAD % "").replace("kind: file, ", motion))
     with pytest.raises(SpecError) as told:

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from testbed.campaign.reading.error_words import follows, worded
+from testbed.campaign.reading.error_words import follows, of_unions, worded
 from testbed.campaign.reading.nodes import Tree
 from testbed.campaign.reading.problems import Problem, Spot, did_you_mean
 from testbed.campaign.reading.vocabulary import Loc
@@ -186,7 +186,7 @@ def faults_of(error: ValidationError, root: type[BaseModel] = Campaign) -> list[
     """Pydantic's errors as faults; ``root`` is what was validated. A misspelt key is one fault, not an unknown key and a missing one."""
     found: dict[Fault, None] = {}
     misspelt: set[Loc] = set()
-    for item in error.errors(include_url=False)[:MOST_FAULTS]:
+    for item in of_unions(error.errors(include_url=False)[:MOST_FAULTS]):
         if follows(item):
             continue
         loc, message, hint = worded(item, root)

@@ -1,6 +1,7 @@
 """Pydantic's errors in plain words, in the unit that the user wrote."""
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -34,6 +35,8 @@ _WANTED = {
     "model_attributes_type": "a section (keys and values)",
 }
 _NUMBERS = ("float_type", "int_type")
+_ALTERNATIVE = re.compile(r"constrained-\w+|[\w-]+\[.*\]")
+_PLAIN = ("float", "int", "str", "bool")
 MAX_SHOWN = 40
 """Characters of a value that a message repeats."""
 
@@ -57,6 +60,8 @@ def _quoted(names: Sequence[Any]) -> str:
 
 def _choice(expected: str, value: Any) -> tuple[str, str]:
     """(message, hint) for a name that is none of pydantic's ``'a', 'b' or 'c'``."""
+    if "'" not in expected:  # numbers: "1 or 2"
+        return f"must be {expected}, not {shown(value)}", ""
     names = expected.split("'")[1::2]
     allowed = f"must be {'one of ' if len(names) > 1 else ''}{_quoted(names)}, not "
     return allowed + (f"'{clipped(value, MAX_SHOWN)}'" if isinstance(value, str) else shown(value)), did_you_mean(str(value), names)
@@ -90,8 +95,9 @@ def unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     elif kind == "out_of_bounds":
         limit, words, why = (context[key] for key in ("limit", "words", "why"))
         message = f"must be {words} {f'{limit:g} {unit}'.strip()}, not {f'{shown(value)} {unit}'.strip()}: {why}"
-    elif kind in _WANTED:
-        message, hint = f"must be {_WANTED[kind]}, not {shown(value)}", _unit_advice(value, unit) if kind in _NUMBERS else ""
+    elif kind in _WANTED or kind == "alternatives":
+        wanted = _WANTED.get(kind) or context["wanted"]
+        message, hint = f"must be {wanted}, not {shown(value)}", _unit_advice(value, unit) if kind in _NUMBERS else ""
     elif kind == "literal_error":
         message, hint = _choice(context["expected"], value)
     elif kind == "unknown_name":
@@ -112,6 +118,35 @@ def unfit(error: ErrorDetails, unit: str) -> tuple[str, str]:
     else:
         message = error["msg"].replace("Input should be", "must be")
     return message, hint
+
+
+def of_unions(errors: Sequence[ErrorDetails]) -> list[ErrorDetails]:
+    """The errors without pydantic's names of a union's alternatives in their places, and one for each value that is none of them.
+
+    A value that is of an alternative's type is told what that one wants of it; any other what all of them are.
+    """
+    found: dict[Loc, list[tuple[int, ErrorDetails]]] = {}
+    for error in errors:
+        loc = error["loc"]
+        cut = next((k for k, part in enumerate(loc) if k and _names_alternative(part, k == len(loc) - 1)), None)
+        bare: ErrorDetails = error if cut is None else {**error, "loc": (*loc[:cut], *loc[cut + 1 :])}
+        found.setdefault(("", len(found)) if cut is None else loc[:cut], []).append((len(loc) if cut is None else cut, bare))
+    return [one for group in found.values() for one in _of_one_value(group)]
+
+
+def _names_alternative(part: int | str, last: bool) -> bool:
+    return isinstance(part, str) and (bool(_ALTERNATIVE.fullmatch(part)) or (last and part in _PLAIN))
+
+
+def _of_one_value(group: list[tuple[int, ErrorDetails]]) -> list[ErrorDetails]:
+    if len(group) == 1:
+        return [group[0][1]]
+    if inside := [error for cut, error in group if len(error["loc"]) > cut]:
+        return inside
+    fits = [error for _, error in group if error["type"] not in (*_WANTED, "literal_error")]
+    wanted = [_WANTED.get(error["type"]) or error["ctx"]["expected"] for _, error in group if error not in fits]
+    first = group[0][1]
+    return fits[:1] or [{**first, "type": "alternatives", "ctx": {"wanted": " or ".join(dict.fromkeys(wanted))}}]
 
 
 def follows(error: ErrorDetails) -> bool:

@@ -16,12 +16,14 @@ Loc = tuple[str | int, ...]
 OF_THE_CAMPAIGN = ("study", "study.kind", "limits", "limits.flights", "limits.wall_limit_s")
 """Settings that all flights of a campaign have alike: no axis, part or draw changes them."""
 
-UNITS = {"_mps": "m/s", "_deg": "deg", "_hz": "Hz", "_m": "m", "_s": "s"}
+UNITS = {"_per_s": "1/s", "_mps": "m/s", "_deg": "deg", "_hz": "Hz", "_m": "m", "_s": "s"}
 
 
 def unit_of(loc: Loc) -> str:
     """Unit in which the user writes the value at ``loc`` (read from its key); empty if it has none."""
     key = next((part for part in reversed(loc) if isinstance(part, str)), "")
+    if key.endswith("_deg_m"):  # latitude, longitude and height
+        return {0: "deg", 1: "deg", 2: "m"}.get(loc[-1], "") if isinstance(loc[-1], int) else ""
     return next((unit for suffix, unit in UNITS.items() if key.endswith(suffix)), "")
 
 

@@ -148,7 +148,10 @@ class _Classic(_Meeting):
     def met(self, own_speed_mps: float, seed: int, replicate: int) -> Met:  # noqa: ARG002 (nothing is drawn)
         """All of it. Raises ``NoEncounterError``."""
         found = self._all(own_speed_mps)
-        if any(math.dist(one["position_enu_m"], self.own_at_enu_m) <= self.radius_m for one in found.obstacles):
+        begin_m = [math.dist(one["position_enu_m"], self.own_at_enu_m) for one in found.obstacles]
+        if min(begin_m) < FASTEST_TOGETHER * min(self.time_to_cpa_s, self.radius_m / FASTEST_TOGETHER):
+            raise NoEncounterError("an obstacle has the own velocity and flies where the own aircraft does: give another speed_mps")
+        if min(begin_m) <= self.radius_m:
             raise NoEncounterError("an obstacle begins around the own aircraft: give a longer time_to_cpa_s")
         return found
 
@@ -245,7 +248,10 @@ class EncounterSet(Section):
     def _can_be_read(self) -> "EncounterSet":
         found = datafiles.look_up(self.path)
         if not datafiles.is_of_a_run(self.path):
-            encounters(self.path, found.sha256)
+            for k, one in enumerate(encounters(self.path, found.sha256), start=1):
+                own = one.aircraft[self.own - 1]
+                if not math.hypot(own.speed, own.climb) > 0.0:
+                    raise ValueError(f"{self.path}: encounter {k}: aircraft {self.own}, which is flown, begins with a speed of 0")
         return self
 
     @property

@@ -19,9 +19,9 @@ class Spread(Section):
     edges: tuple[Number, ...] = ()
     """Edges of the bins, one more than there are bins."""
     chances: tuple[NonNegative, ...] = ()
-    """How likely each bin is; they need not add up to 1."""
+    """How likely each bin is, as a share of their sum: [0.5, 0.6] is 5 to 6. They need not add up to 1."""
     drawn: tuple[Positive, ...] = ()
-    """How often each bin is drawn; without it as likely as it is."""
+    """How often each bin is drawn, as a share of their sum; without it as likely as it is."""
 
     @model_validator(mode="after")
     def _is_one(self) -> "Spread":

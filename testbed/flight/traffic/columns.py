@@ -8,6 +8,7 @@ from testbed.core.units import FT
 NAUTICAL_MILE_M = 1852.0
 METRES = {"m": 1.0, "km": 1000.0, "ft": FT, "nmi": NAUTICAL_MILE_M}
 LENGTHS = [f"{axis}_{unit}" for axis in ("east", "north", "up") for unit in METRES]
+LEVEL, GEODETIC = ("east", "north", "up"), ("latitude", "longitude", "altitude")
 WORDS = ("time_s", "time_ms", "time_iso", *LENGTHS, "latitude_deg", "longitude_deg", "altitude_m", "altitude_ft", "track")
 """What a campaign may name columns of; ``track`` is the column that tells the tracks of a file apart."""
 
@@ -48,7 +49,7 @@ def layout(headings: Sequence[str], said: Mapping[str, str]) -> Layout:
     """The layout of a file with these headings. Raises ``ValueError``."""
     if said:
         if missing := [f"'{heading}'" for heading in said.values() if heading not in headings]:
-            raise ValueError(f"has no column {', '.join(missing)}; it has: {_listed(headings)}")
+            raise ValueError(f"has no column {', '.join(missing)}; it has: {listed(headings)}")
         return _laid(said)
     own = {word: word for word in WORDS if word in headings}
     for needed, tracks in [(own, ()), *EXPORTS.values()]:
@@ -57,7 +58,28 @@ def layout(headings: Sequence[str], said: Mapping[str, str]) -> Layout:
         if all(heading in headings for heading in needed.values()):
             track = next((name for name in tracks if name in headings), None)
             return _laid(needed | ({"track": track} if track else {}))
-    raise ValueError(f"has the columns {_listed(headings)}, of which none are known to be time and place; name them under 'columns'")
+    if why := _unclear([word for word in own if word != "track"]):
+        raise ValueError(why)
+    raise ValueError(f"has the columns {listed(headings)}, of which none are known to be time and place; name them under 'columns'")
+
+
+def _unclear(own: Sequence[str]) -> str:
+    """Why columns that are known by their headings are no layout; empty where none of them is a place."""
+    found = {name: [word for word in own if word.startswith(f"{name}_")] for name in ("time", *LEVEL, *GEODETIC)}
+    for name, words in found.items():
+        if len(words) > 1:
+            return f"has the columns {' and '.join(words)}, each of which is the {name}; name the columns that are meant under 'columns'"
+    level, geodetic = (sum(map(len, (found[name] for name in axes))) for axes in (LEVEL, GEODETIC))
+    if level == geodetic == 3 and found["time"]:
+        return "has places in metres and in latitudes; name the columns of one of them under 'columns'"
+    axes = ("time", *(LEVEL if level >= geodetic else GEODETIC))
+    missing = [f"{name} ({next(word for word in WORDS if word.startswith(name))})" for name in axes if not found[name]]
+    return f"has no column of {' and '.join(missing)}; if it is called otherwise name all under 'columns'" if level or geodetic else ""
+
+
+def plain(text: str) -> str:
+    """A text of a file as it can be shown."""
+    return "".join(sign if sign.isprintable() else "?" for sign in text)
 
 
 def fault(said: Mapping[str, str]) -> str:
@@ -87,5 +109,6 @@ def _column(said: Mapping[str, str], name: str) -> Column:
     return Column(said[word], METRES.get(unit, {"s": 1.0, "ms": 1e-3, "iso": 0.0, "deg": 1.0}.get(unit, 1.0)))
 
 
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names[:20]) + (", ..." if len(names) > 20 else "") if names else "none"
+def listed(names: Sequence[str], most: int = 20) -> str:
+    """The first of them."""
+    return plain(", ".join(names[:most])) + (", ..." if len(names) > most else "") if names else "none"

@@ -7,11 +7,11 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from testbed.core.geodesy import enu_from_geodetic
-from testbed.core.section import FARTHEST_M, HIGHEST_M, Azimuth, Duration, Number, Section
+from testbed.core.section import FARTHEST_M, FASTEST_MPS, HIGHEST_M, Azimuth, Duration, Number, Section
 from testbed.core.units import DEG
 from testbed.flight.impossible import NoMeetingError
 from testbed.flight.traffic.columns import fault
-from testbed.flight.traffic.pieces import Pieces, smooth
+from testbed.flight.traffic.pieces import Pieces, extremes, smooth
 from testbed.flight.traffic.table import Table, table
 from testbed.flight.traffic.track import TrackSetting
 
@@ -73,7 +73,7 @@ class Recorded(Pieces):
         told = Options(**options)
         found = table(told.path, setting.files.get(told.path), told.columns, told.track)
         moved = not math.isnan(setting.pos[0])
-        time_s, pos = _checked(found, told, moved)
+        time_s, pos, _ = _checked(found, told, moved)
         time_s = time_s + (setting.time_s - told.at_track_s)
         moment = setting.time_s
         if not time_s[0] - 1e-9 <= moment <= time_s[-1] + 1e-9 and (moved or told.azimuth_deg is not None):
@@ -93,7 +93,17 @@ class Recorded(Pieces):
         told = Options(**options)
         if told.origin_deg_m is not None and spec.position_enu_m is not None:
             raise ValueError("origin_deg_m: has no effect beside position_enu_m, to which the track is moved")
-        time_s, _ = _checked(table(told.path, None, told.columns, told.track), told, spec.position_enu_m is not None)
+        found, moved = table(told.path, None, told.columns, told.track), spec.position_enu_m is not None
+        if told.origin_deg_m is not None and not found.geodetic:
+            raise ValueError(f"origin_deg_m: has no effect on {told.path}, whose places are in metres")
+        time_s, place, rows = _checked(found, told, moved)
+        with np.errstate(all="ignore"):
+            _between_rows(told.path, time_s, place, rows, moved)
+        if told.at_track_s < time_s[0] - 1e-9 and (moved or told.azimuth_deg is not None):
+            raise ValueError(
+                f"at_track_s: {told.at_track_s:g} s is before the first mean of resample_s, "
+                f"which is at {time_s[0]:g} s; the last is at {time_s[-1]:g} s"
+            )
         if told.at_track_s > time_s[-1]:
             raise ValueError(f"at_track_s: {told.at_track_s:g} s is past the end of the track, which lasts {time_s[-1]:g} s")
 
@@ -103,27 +113,51 @@ def _upright_turn(angle: float) -> Array:
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _checked(found: Table, told: Options, moved: bool) -> tuple[Array, Array]:
-    """Times (n,) from the first row on and places (n,3), ENU, of the rows that are used. Raises ``ValueError``."""
+def _limits(moved: bool) -> Array:
+    """How far from 0 a coordinate may be, m."""
+    return np.full(3, 10.0 * FARTHEST_M) if moved else np.array([FARTHEST_M, FARTHEST_M, HIGHEST_M])
+
+
+def _km(place: Array) -> str:
+    far = math.hypot(*(place / 1000.0))
+    return f"{far:,.0f}" if far < 1e9 else f"{far:.3g}"
+
+
+def _between_rows(path: str, time_s: Array, place: Array, rows: Array, moved: bool) -> None:
+    """Raise ``ValueError`` where what is flown from one row to the next is faster than anything, or leaves the flat ground."""
+    speed, reach = extremes(time_s, place)
+    if not (speed <= FASTEST_MPS).all():
+        k = int(np.argmin(speed <= FASTEST_MPS))
+        raise ValueError(f"{path}: row {rows[k + 1]}: is reached at {speed[k]:,.6g} m/s; at most {FASTEST_MPS:g}, as all in the air")
+    far = (reach > _limits(moved)).any(axis=1)
+    if far.any():
+        k = int(np.argmax(far))
+        raise ValueError(f"{path}: row {rows[k + 1]}: on the way to it the track is {_km(reach[k])} km from the origin, so hard it turns")
+
+
+def _checked(found: Table, told: Options, moved: bool) -> tuple[Array, Array, Array]:
+    """Times (n,) from the first row on, places (n,3), ENU, and numbers (n,) of the rows that are used. Raises ``ValueError``."""
     try:
         time_s, place, rows = _good(found, told.bad_rows == "drop")
         if found.geodetic:
             moment = int(np.argmin(np.abs(time_s - time_s[0] - told.at_track_s)))
             place = _in_frame(place, rows, told.origin_deg_m, moment if moved else None)
-        far = (np.abs(place) > ([FARTHEST_M, FARTHEST_M, HIGHEST_M] if not moved else np.full(3, 10.0 * FARTHEST_M))).any(axis=1)
+        far = (np.abs(place) > _limits(moved)).any(axis=1)
         if far.any():
             k = int(np.argmax(far))
-            far_km = np.linalg.norm(place[k]) / 1000.0
-            raise ValueError(f"row {rows[k]}: is {far_km:,.0f} km from the origin; at most {FARTHEST_M / 1000.0:g}, as the ground is flat")
-        gap = np.diff(time_s)
+            raise ValueError(
+                f"row {rows[k]}: is {_km(place[k])} km from the origin; at most {FARTHEST_M / 1000.0:g}, as the ground is flat"
+            )
+        with np.errstate(over="ignore"):
+            gap = np.diff(time_s)
         if (gap > told.longest_gap_s).any():
             k = int(np.argmax(gap > told.longest_gap_s))
             raise ValueError(f"row {rows[k + 1]}: comes {gap[k]:g} s after the row before it; longest_gap_s is {told.longest_gap_s:g}")
         time_s = time_s - time_s[0]
-        time_s, place = _resampled(time_s, place, told.resample_s) if told.resample_s else (time_s, place)
+        time_s, place, rows = _resampled(time_s, place, rows, told.resample_s) if told.resample_s else (time_s, place, rows)
     except ValueError as problem:
         raise ValueError(f"{told.path}: {problem}") from None
-    return time_s, place
+    return time_s, place, rows
 
 
 def _good(found: Table, drop: bool) -> tuple[Array, Array, Array]:
@@ -164,10 +198,10 @@ def _cut(time_s: Array, pos: Array, from_s: float, to_s: float) -> tuple[Array, 
     return time_s[first : max(last, first + 2)], pos[first : max(last, first + 2)]
 
 
-def _resampled(time_s: Array, place: Array, every_s: float) -> tuple[Array, Array]:
-    """Means over intervals."""
+def _resampled(time_s: Array, place: Array, rows: Array, every_s: float) -> tuple[Array, Array, Array]:
+    """Means over intervals, each with the number of its first row."""
     _, first, count = np.unique(np.floor(time_s / every_s), return_index=True, return_counts=True)
     if len(first) < 2:
         raise ValueError(f"has one interval of {every_s:g} s (resample_s) only; a track has two at least")
     mean = np.add.reduceat(np.column_stack([time_s, place]), first) / count[:, None]
-    return mean[:, 0], mean[:, 1:]
+    return mean[:, 0], mean[:, 1:], rows[first]

@@ -80,12 +80,7 @@ def smooth(time_s: Array, pos: Array) -> Array:
     """Pieces through places (n,3) at times (n,), n > 1: two from each place to the next, one acceleration each. At a place the velocity
     is that of the parabola through it and its neighbours. Exact for a constant acceleration; two places make a straight line.
     """
-    lasts = np.diff(time_s)[:, None]
-    mean = np.diff(pos, axis=0) / lasts
-    vel = np.empty_like(pos)
-    vel[1:-1] = (mean[:-1] * lasts[1:] + mean[1:] * lasts[:-1]) / (lasts[1:] + lasts[:-1])
-    vel[0], vel[-1] = (mean[0], mean[0]) if len(mean) == 1 else (2.0 * mean[0] - vel[1], 2.0 * mean[-1] - vel[-2])
-    halfway = 2.0 * mean - 0.5 * (vel[:-1] + vel[1:])  # velocity
+    lasts, vel, halfway = _velocities(time_s, pos)
     first, second = (halfway - vel[:-1]) / lasts, (vel[1:] - halfway) / lasts  # half the acceleration over half the time
     table = np.empty((2 * len(lasts), WIDTH))
     table[0::2, 0], table[1::2, 0] = time_s[:-1], time_s[:-1] + 0.5 * lasts[:, 0]
@@ -95,6 +90,31 @@ def smooth(time_s: Array, pos: Array) -> Array:
     table[0::2, 6:9], table[1::2, 6:9] = vel[:-1], halfway
     table[0::2, 9:12], table[1::2, 9:12] = first, second
     return table
+
+
+def _velocities(time_s: Array, pos: Array) -> tuple[Array, Array, Array]:
+    """What ``smooth`` is made of: how long it is from each place to the next (n-1,1), the velocities at the places and halfway."""
+    lasts = np.diff(time_s)[:, None]
+    mean = np.diff(pos, axis=0) / lasts
+    vel = np.empty_like(pos)
+    vel[1:-1] = (mean[:-1] * lasts[1:] + mean[1:] * lasts[:-1]) / (lasts[1:] + lasts[:-1])
+    vel[0], vel[-1] = (mean[0], mean[0]) if len(mean) == 1 else (2.0 * mean[0] - vel[1], 2.0 * mean[-1] - vel[-2])
+    return lasts, vel, 2.0 * mean - 0.5 * (vel[:-1] + vel[1:])
+
+
+def extremes(time_s: Array, pos: Array) -> tuple[Array, Array]:
+    """Of ``smooth`` from each place to the next: the largest speed (n-1,), and how far from 0 each coordinate gets (n-1,3).
+
+    The velocity is linear in a piece, so that its size is largest at an end; a coordinate turns back where its velocity is 0.
+    """
+    lasts, vel, halfway = _velocities(time_s, pos)
+    speeds = [np.linalg.norm(one, axis=1) for one in (vel[:-1], halfway, vel[1:])]
+    reach = np.maximum(np.abs(pos[:-1]), np.abs(pos[1:]))
+    for place, at, sign in ((pos[:-1], vel[:-1], 1.0), (pos[1:], vel[1:], -1.0)):
+        turns = at * halfway < 0.0
+        beyond = at * lasts * at / (4.0 * np.where(turns, at - halfway, 1.0))
+        reach = np.where(turns, np.maximum(reach, np.abs(place + sign * beyond)), reach)
+    return np.max(speeds, axis=0), reach
 
 
 def polygon(time_s: Array, pos: Array) -> Array:

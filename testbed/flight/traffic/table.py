@@ -11,7 +11,7 @@ import numpy as np
 from testbed.core import datafiles
 from testbed.core.kept import Kept
 from testbed.core.utf8 import clipped
-from testbed.flight.traffic.columns import Column, layout
+from testbed.flight.traffic.columns import Column, layout, listed, plain
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -57,10 +57,20 @@ def _table(name: str, sha256: str, columns: Mapping[str, str], track: str | None
             raise ValueError(f"has {len(read.rows):,} rows; at most {MOST_ROWS:,}")
         laid = layout(read.table.column_names, columns)
         read = _of_track(read, laid.track, track)
-        place = np.column_stack([_numbers(read, column) * column.scale for column in laid.place])
-        return Table(_times(read, laid.time), place, read.rows, laid.geodetic)
+        with np.errstate(over="ignore"):
+            place = np.column_stack([_numbers(read, column) * column.scale for column in laid.place])
+            time_s = _times(read, laid.time)
+        for column, values in zip((laid.time, *laid.place), (time_s, *place.T), strict=True):
+            if len(values) and np.isnan(values).all():
+                raise ValueError(_empty(column.heading, read.table.column_names))
+        return Table(time_s, place, read.rows, laid.geodetic)
     except ValueError as problem:
         raise ValueError(f"{name}: {problem}") from None
+
+
+def _empty(heading: str, headings: list[str]) -> str:
+    instead = heading == "geoaltitude" and "baroaltitude" in headings
+    return f"its column {plain(heading)} is empty" + ("; `columns` can name baroaltitude as the altitude_m instead" if instead else "")
 
 
 def _csv(data: bytes) -> _Read:
@@ -68,6 +78,8 @@ def _csv(data: bytes) -> _Read:
     import pyarrow as pa
     from pyarrow import csv as quick
 
+    if b"\n" not in data:  # lines end as they did on old Macintoshes
+        data = data.replace(b"\r", b"\n")
     line = data[:10_000].partition(b"\n")[0]
     try:
         first = line.decode("utf-8-sig").rstrip("\r")
@@ -75,9 +87,12 @@ def _csv(data: bytes) -> _Read:
     except UnicodeDecodeError:
         raise ValueError("is neither text in UTF-8 nor a Parquet file") from None
     delimiter = max(",;\t", key=first.count)
-    headings = [heading.strip() for heading in next(csv.reader([first], delimiter=delimiter), [])]
-    if twice := next((heading for heading in headings if headings.count(heading) > 1 and heading), None):
-        raise ValueError(f"row 1: has two columns '{twice}'")
+    try:
+        headings = [heading.strip() for heading in next(csv.reader([first], delimiter=delimiter), [])]
+    except csv.Error as problem:
+        raise ValueError(f"row 1: {_odd(problem)}") from None
+    if twice := _twice(headings):
+        raise ValueError(f"row 1: has two columns '{plain(twice)}'")
     if not any(headings):
         raise ValueError("is empty, or its first row has no headings")
     if not all(headings[1:]) or b'"' in line or b"\n\n" in data or b"\n\r\n" in data:
@@ -96,6 +111,15 @@ def _csv(data: bytes) -> _Read:
     return _Read(read.combine_chunks(), np.arange(2, read.num_rows + 2))
 
 
+def _twice(headings: list[str]) -> str:
+    return next((heading for heading in headings if headings.count(heading) > 1), "")
+
+
+def _odd(problem: csv.Error) -> str:
+    """What the csv module says, without its advice to programmers."""
+    return f"is no row of a CSV file ({str(problem).partition(' - ')[0]})"
+
+
 def _row_by_row(text: str, delimiter: str) -> _Read:
     import pyarrow as pa
 
@@ -103,13 +127,17 @@ def _row_by_row(text: str, delimiter: str) -> _Read:
     try:
         found = [(number, row) for number, row in enumerate(reader, 1) if row]
     except csv.Error as problem:
-        raise ValueError(f"row {reader.line_num}: {problem}") from None
+        raise ValueError(f"row {reader.line_num}: {_odd(problem)}") from None
     headings = [heading.strip() or f"(column {k + 1})" for k, heading in enumerate(found[0][1])]
     for row, values in found[1:]:
         if len(values) != len(headings):
-            raise ValueError(f"row {row}: has {len(values)} value{'' if len(values) == 1 else 's'} under {len(headings)} headings")
+            raise ValueError(f"row {row}: has {_counted(len(values), 'value')} under {_counted(len(headings), 'heading')}")
     columns = [pa.array([values[k] for _, values in found[1:]], pa.string()) for k in range(len(headings))]
     return _Read(pa.table(columns, names=headings), np.array([row for row, _ in found[1:]], dtype=int))
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" + ("" if count == 1 else "s")
 
 
 def _parquet(data: bytes) -> _Read:
@@ -117,9 +145,13 @@ def _parquet(data: bytes) -> _Read:
     import pyarrow.parquet as pq
 
     try:
-        read = pq.read_table(pa.BufferReader(data)).combine_chunks()
+        twice = _twice(pq.read_schema(pa.BufferReader(data)).names)
+        read = None if twice else pq.read_table(pa.BufferReader(data)).combine_chunks()
     except (pa.ArrowException, OSError, ValueError) as problem:
-        raise ValueError(f"is no Parquet file that can be read: {clipped(str(problem), 100)}") from None
+        why = str(problem).partition("\n")[0]
+        raise ValueError(f"is no Parquet file that can be read: {clipped(why, 100)}") from None
+    if read is None:
+        raise ValueError(f"has two columns '{plain(twice)}'")
     return _Read(read, np.arange(1, read.num_rows + 1))
 
 
@@ -137,7 +169,7 @@ def _of_track(read: _Read, heading: str | None, track: str | None) -> _Read:
     if track is None and len(there) == 1:
         return read
     if track not in there:
-        some = ", ".join(map(str, there[:5])) + (", ..." if len(there) > 5 else "")
+        some = listed([str(one) for one in there], 5)
         missing = "name one of them with 'track'" if track is None else f"none is '{track}'"
         raise ValueError(f"has {len(there):,} tracks in its column {heading} ({some}); {missing}")
     mine = pc.fill_null(pc.equal(names, track), False)
@@ -179,6 +211,8 @@ def _numbers(read: _Read, column: Column) -> Array:
 
     values = read.table.column(column.heading)
     try:
+        if pa.types.is_boolean(values.type):  # which Arrow makes 0 and 1
+            raise NotImplementedError
         return np.asarray(values.cast(pa.float64(), safe=False).to_numpy(), dtype=float)
     except (pa.ArrowException, NotImplementedError):
         return np.array([_number(read, k, column.heading, value) for k, value in enumerate(values.to_pylist())])
@@ -188,10 +222,12 @@ def _number(read: _Read, k: int, heading: str, value: Any) -> float:
     if value is None or not str(value).strip():
         return np.nan
     try:
+        if isinstance(value, bool):
+            raise TypeError
         return float(value)
     except (ValueError, TypeError):
         raise _unreadable(read, k, heading, str(value), "no number") from None
 
 
 def _unreadable(read: _Read, k: int, heading: str, text: str, what: str) -> ValueError:
-    return ValueError(f"row {read.rows[k]}: {heading} is {what}, but '{clipped(text, 40)}'")
+    return ValueError(f"row {read.rows[k]}: {plain(heading)} is {what}, but '{plain(clipped(text, 40))}'")
