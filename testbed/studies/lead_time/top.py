@@ -29,7 +29,9 @@ def hero(plain: Groups, lines: Sequence[Line]) -> Hero:
     ]
     medians = [(summary(plain[keys[0]]).best.value, 0), *((summary(plain[key]).lead.value, k) for k, key in enumerate(keys, 1))]
     marks = [Mark(value, colour) for value, colour in medians if math.isfinite(value) and value <= longest]
-    title = f"Share of {counted(len(plain[keys[0]]), 'encounter')} for which a lead suffices"
+    sizes = [len(plain[key]) for key in keys]
+    fewest = f" (of the fewest {min(sizes)})" if len(set(sizes)) > 1 else ""
+    title = f"Share of {counted(max(sizes), 'encounter')}{fewest} for which a lead suffices"
     legend = Markup().join(LEGEND.format(curve.colour, " dashed" if curve.dashed else "", curve.name) for curve in curves)
     picture = Markup('<ul class="legend">{}</ul>{}').format(legend, shares(curves, longest, title, "lead, s", marks))
     caption = f"{title}, %: {keys[0].aircraft}, margin {keys[0].swell_m:g} m. Dots: medians, over all encounters."
