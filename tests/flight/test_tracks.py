@@ -238,7 +238,11 @@ BAD_FILES = [
     ("250", "2.5e6", "row 5: is 2,500 km from the origin; at most 200, as the ground is flat"),
     ("up_m", "up", "has no column of up (up_m); if it is called otherwise name all under 'columns'"),
     (GOOD[:27], "t,x,y,z\n", "has the columns t, x, y, z, of which none are known to be time and place; name them under 'columns'"),
-    ("time_s,", "time_s,time_ms,", "has the columns time_s and time_ms, each of which is the time; name"),
+    (
+        GOOD,
+        "time_s,time_ms,east_m,north_m,up_m\n0,0,700,0,0\n5,5000,550,0,0\n",
+        "has the columns time_s and time_ms, each of which is the time; name",
+    ),
     ("15,250", "10.001,250", "row 5: is reached at "),
     ("250", "1e300", "row 5: is 1e+297 km from the origin"),
     ("0,700", "0\r,700", "row 2: has "),

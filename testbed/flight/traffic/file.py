@@ -127,7 +127,7 @@ def _between_rows(path: str, time_s: Array, place: Array, rows: Array, moved: bo
     """Raise ``ValueError`` where what is flown from one row to the next is faster than anything, or leaves the flat ground."""
     speed, reach = extremes(time_s, place)
     if not (speed <= FASTEST_MPS).all():
-        k = int(np.argmin(speed <= FASTEST_MPS))
+        k = int(np.nanargmax(speed))
         raise ValueError(f"{path}: row {rows[k + 1]}: is reached at {speed[k]:,.6g} m/s; at most {FASTEST_MPS:g}, as all in the air")
     far = (reach > _limits(moved)).any(axis=1)
     if far.any():

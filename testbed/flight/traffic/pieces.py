@@ -111,7 +111,7 @@ def extremes(time_s: Array, pos: Array) -> tuple[Array, Array]:
     speeds = [np.linalg.norm(one, axis=1) for one in (vel[:-1], halfway, vel[1:])]
     reach = np.maximum(np.abs(pos[:-1]), np.abs(pos[1:]))
     for place, at, sign in ((pos[:-1], vel[:-1], 1.0), (pos[1:], vel[1:], -1.0)):
-        turns = at * halfway < 0.0
+        turns = (at * halfway <= 0.0) & (at != 0.0)
         beyond = at * lasts * at / (4.0 * np.where(turns, at - halfway, 1.0))
         reach = np.where(turns, np.maximum(reach, np.abs(place + sign * beyond)), reach)
     return np.max(speeds, axis=0), reach
