@@ -47,7 +47,7 @@ lead-time: $(STAMP) ## the lead-time study, about half an hour: reports/lead_tim
 
 # More encounters than two of each kind: make arena REPLICATES=10.
 REPLICATES := 2
-arena: $(STAMP) ## every method on the same encounters, about ten minutes on two idle cores: reports/arena
+arena: $(STAMP) ## every method on the same encounters, about 25 minutes on two idle cores: reports/arena
 	$(BIN)/testbed run campaigns/arena.yaml --fresh --set replicates=$(REPLICATES)
 	mkdir -p reports/arena
 	cp reports/runs/arena/index.html reports/runs/arena/arena.csv reports/runs/arena/arena_timings.csv reports/arena/

@@ -28,6 +28,8 @@ def avoidance(raw: Raw, end: End) -> dict[str, float]:
     # a planner that steers counts over the ground, one that answers with a direction through the air that it knows
     known = np.array(event["wind_known_enu_mps"]) * (event["decision"] != "steered")
     found = {"deflection_deg": float(between_deg(np.array(event["own_vel_enu_mps"]) - known, command - known)[0])}
+    if not np.isfinite(command).all():  # a manoeuvre, or a law: nothing but what its planner says of it
+        found["deflection_deg"] = math.degrees(figure_of(event["deflection_rad"]))
     if first >= last:
         return found
     ground = between_deg(raw.vel, raw.vel[first])

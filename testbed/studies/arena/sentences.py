@@ -59,15 +59,16 @@ def who(overall: Sequence[Standing]) -> str:
 
 
 def where(judged: Judged) -> str:
-    """Who is first in how many places, the place in which the first keeps least, and the hardest and easiest population."""
+    """Who is first in how many places, the place in which least is kept, and the hardest and easiest population."""
     places = {place: found for place in judged.places if place != judged.overall and (found := racing(judged, place))}
     firsts = Counter(one.method for found in places.values() for one in found if one.rank == 1)
     order = {one.method: k for k, one in enumerate(racing(judged, judged.overall))}
     best = sorted(firsts, key=lambda method: (-firsts[method], order.get(method, len(order))))
     level = [method for method in best if firsts[method] == firsts[best[0]]]
     most = "everywhere" if firsts[best[0]] == len(places) else f"in {firsts[best[0]]} of {len(places)} places"
-    hard, found = min(places.items(), key=lambda item: item[1][0].share.share)
-    least = f"least is kept in {title(*hard, judged)} ({found[0].method}, {percent(found[0].share.share)})" if len(places) > 1 else ""
+    means = {place: fmean(one.share.share for one in found) for place, found in places.items()}
+    hard = min(means, key=lambda place: means[place])
+    least = f"least is kept in {title(*hard, judged)} ({percent(means[hard])} over all methods)" if len(places) > 1 else ""
     told = f"First, or level with the first, {most}: {_among(level)}"
     return f"{'; '.join(filter(None, (told, least, _hardest(judged))))}."
 
