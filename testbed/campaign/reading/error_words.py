@@ -77,7 +77,7 @@ def worded(error: ErrorDetails, root: type[BaseModel] = Campaign) -> tuple[Loc, 
             return loc, f"unknown key '{loc[0]}'", f"write {instead}"
         return loc, f"unknown key '{loc[-1]}'", did_you_mean(str(loc[-1]), known) or f"known here: {', '.join(known)}"
     if kind in ("missing", "too_long", "too_short"):
-        return _incomplete(loc, kind, value, context, root)
+        return _incomplete(loc, holder, kind, value, context)
     if kind == "union_tag_not_found":
         return (*loc, "kind"), "this key is missing", ""
     if kind == "union_tag_invalid":
@@ -154,11 +154,10 @@ def follows(error: ErrorDetails) -> bool:
     return error["type"] == "too_short" and len(error["input"]) >= error["ctx"]["min_length"]
 
 
-def _incomplete(loc: Loc, kind: str, value: Any, context: dict[str, Any], root: type[BaseModel]) -> tuple[Loc, str, str]:
-    """A missing key, or a list of the wrong length."""
+def _incomplete(loc: Loc, holder: Any, kind: str, value: Any, context: dict[str, Any]) -> tuple[Loc, str, str]:
+    """A missing key, or a list of the wrong length. ``holder``: what the last step of ``loc`` is a part of."""
     if kind == "missing" and isinstance(loc[-1], str):
         return loc, "this key is missing", ""
-    _, holder = untagged(loc, root)
     if kind == "missing":  # an item of a list of fixed length; pydantic says so once for each
         loc, wanted = loc[:-1], fixed_length(holder)
     else:
