@@ -10,6 +10,7 @@ import numpy as np
 
 from testbed.show.assets import asset, environment
 from testbed.show.hero import unfinished
+from testbed.show.words import method as named
 from testbed.show.words import number, percent
 from testbed.studies.lead_time.compare import Priced, Shares, Summary, Who, flyable, groups, insertion, limits, shares, summary, winds
 from testbed.studies.lead_time.lead_distributions import Cost, Estimate
@@ -52,8 +53,8 @@ def page_text(study: Searches) -> str:
         "wastes": _wastes(plain),
         "margins": _margins(plain),
         "crossings": _crossings(plain),
-        "insertions": [_priced(cost, f"{_flyer(key)}, {key.method}, margin {key.swell_m:g} m") for key, cost in insertion(plain)],
-        "flyables": [_priced(cost, f"{_flyer(key)}, {key.method}, margin {key.swell_m:g} m") for key, cost in flyable(plain)],
+        "insertions": [_priced(cost, f"{_flyer(key)}, {named(key.method)}, margin {key.swell_m:g} m") for key, cost in insertion(plain)],
+        "flyables": [_priced(cost, f"{_flyer(key)}, {named(key.method)}, margin {key.swell_m:g} m") for key, cost in flyable(plain)],
         "limits": [_priced(cost, cost.what) for cost in limits(calm)],
         "winds": [_priced(cost, f"from {key.wind_from_deg:g} deg") for key, cost in winds(by_who)],
         "turbulence": [_turbulent(key, found, by_who[key]) for key, found in turbulent.items()],
@@ -120,7 +121,7 @@ def _row(key: Who, of: Summary) -> dict[str, Any]:
     return {
         "flyer": _flyer(key),
         "answer": _briefly(key),
-        "method": key.method,
+        "method": named(key.method),
         "swell": f"{key.swell_m:g}",
         "n": of.n,
         "never": of.never,
@@ -158,7 +159,7 @@ def _pictures(plain: Groups) -> list[dict[str, Any]]:
         longest = first[0].leads_s[-1]
         curves = [Curve(*staircase([line.found.best_s for line in first], longest), "best manoeuvre", 0, dashed=True)]
         curves += [
-            Curve(*staircase([line.found.lead_s for line in found], longest), method, k)
+            Curve(*staircase([line.found.lead_s for line in found], longest), named(method), k)
             for k, (method, found) in enumerate(members.items(), 1)
         ]
         title = f"{_flyer(base)}, {answer(base.answer)}, margin {base.swell_m:g} m"
