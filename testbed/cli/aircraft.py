@@ -78,7 +78,7 @@ aircraft = PlainTyper(
 app.add_typer(aircraft, name="aircraft")
 
 
-@aircraft.command(epilog=examples("testbed aircraft gtm_t2", "testbed aircraft sheet c172p --out /tmp/sheets"))
+@aircraft.command(epilog=examples("testbed aircraft gtm_t2", "testbed aircraft sheet c172p --out sheets"))
 def sheet(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Its name: `testbed list aircraft`.", autocompletion=completing.aircraft)],
     out: Annotated[Path, typer.Option(help="Where the page goes.")] = Path("reports/runs/aircraft"),

@@ -67,7 +67,7 @@ def check(
     raise typer.Exit(0 if promised else CRASHED)
 
 
-@app.command(epilog=examples("testbed bench", "testbed bench --pairs 5 --history /tmp/bench.csv"))
+@app.command(epilog=examples("testbed bench", "testbed bench --pairs 5 --history bench.csv"))
 def bench(
     history: Annotated[Path, typer.Option(help="CSV to which this run is added, and whose last runs are shown beside it.")] = Path(
         "reports/bench_history.csv"

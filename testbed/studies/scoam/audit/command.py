@@ -13,4 +13,4 @@ def audit(out: Annotated[Path, typer.Option(help="Where audit.csv and audit.html
     return [str(file) for file in write_audit(out)]
 
 
-audit.examples = ("testbed audit", "testbed audit --out /tmp/audit")  # type: ignore[attr-defined]
+audit.examples = ("testbed audit", "testbed audit --out audit")  # type: ignore[attr-defined]
