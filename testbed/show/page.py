@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 from markupsafe import Markup
 
@@ -33,6 +33,22 @@ SCRIPTS = ("plot.js", "player_views.js", "player.js", "page.js", "explorer.js", 
 STYLES = ("page.css", "explorer.css", "player.css", "over_axis.css")
 MOST_PAIR_ROWS = 200
 CELLS_FROM = 25  # so many flights are better read by cell
+
+
+SECTIONS: Final = {
+    "words": "Words",
+    "checks": "Check",
+    "pairs": "Pairs",
+    "risk": "Detect and avoid",
+    "over-axis": "Axes",
+    "pictures": "Pictures",
+    "cells": "Cells",
+    "flights": "Flights",
+    "decisions": "Re-plans",
+    "glossary": "Glossary",
+    "provenance": "Origin",
+}
+"""Anchors of the ordinary sections, in the order of the page, and what a link to them says."""
 
 
 def render_page(
@@ -66,18 +82,15 @@ def render_page(
     if of_risk and of_risk["axes"] and of_risk["axes"]["answer"]:
         told = [of_risk["axes"]["answer"], *told]
     flights = flights_table(of, axes, listed_axes, series)
-    parts = {
-        "words": "Words" if told or checks else "",
-        "checks": "Check" if checks else "",
-        "pairs": "Pairs" if matched or unmatched else "",
-        "risk": "Detect and avoid" if risk else "",
-        "over-axis": "Axes" if over_axis else "",
-        "pictures": "Pictures" if figures["groups"] else "",
-        "cells": "Cells" if cells else "",
-        "flights": "Flights",
-        "decisions": "Re-plans" if of.decisions else "",
-        "glossary": "Glossary",
-        "provenance": "Origin",
+    shown = {
+        "words": told or checks,
+        "checks": checks,
+        "pairs": matched or unmatched,
+        "risk": risk,
+        "over-axis": over_axis,
+        "pictures": figures["groups"],
+        "cells": cells,
+        "decisions": of.decisions,
     }
     return (
         environment()
@@ -88,7 +101,7 @@ def render_page(
             question=campaign.question,
             hero=unfinished((head.hero if head else None) or campaign_hero(campaign, of, checks), provenance),
             files=[*files, *(["recordings/"] if flights.links else [])],
-            links=[*(head.nav if head else ()), *((anchor, name) for anchor, name in parts.items() if name)],
+            links=[*(head.nav if head else ()), *_links(shown)],
             page_head=head,
             sentences=([check_answer(checks)] if checks else []) + told,
             cards=campaign_summary.cards(of) if of.n else [],
@@ -119,6 +132,11 @@ def render_page(
             plotly=plotly(),
         )
     )
+
+
+def _links(shown: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Anchors and names of the sections that there are; what is not in ``shown`` is always there."""
+    return [(anchor, name) for anchor, name in SECTIONS.items() if shown.get(anchor, True)]
 
 
 def _assets(*names: str) -> Markup:

@@ -1,6 +1,7 @@
 """Encounters of several obstacles, one set for each replicate: by their closest approach, the classic ones, or out of a published set."""
 
 import math
+from abc import abstractmethod
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -164,11 +165,11 @@ class _Classic(_Meeting):
             made.append(self._met(k, self.radius_m, beside - self.time_to_cpa_s * (vel - own), vel))
         return Met(tuple(made))
 
+    @abstractmethod
     def _lines(self) -> list[tuple[float, float, float, float]]:
         """Of each obstacle its share of the own speed, its course from the own one to the left and its climb (deg), and how far to the
         left of the own aircraft it comes by (m).
         """
-        raise NotImplementedError
 
     @property
     def _climb(self) -> float:

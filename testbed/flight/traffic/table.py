@@ -3,6 +3,7 @@
 import csv
 import io
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -210,23 +211,19 @@ def _numbers(read: _Read, column: Column) -> Array:
     import pyarrow as pa
 
     values = read.table.column(column.heading)
-    try:
-        if pa.types.is_boolean(values.type):  # which Arrow makes 0 and 1
-            raise NotImplementedError
-        return np.asarray(values.cast(pa.float64(), safe=False).to_numpy(), dtype=float)
-    except (pa.ArrowException, NotImplementedError):
-        return np.array([_number(read, k, column.heading, value) for k, value in enumerate(values.to_pylist())])
+    if not pa.types.is_boolean(values.type):  # which Arrow would make 0 and 1
+        with suppress(pa.ArrowException):
+            return np.asarray(values.cast(pa.float64(), safe=False).to_numpy(), dtype=float)
+    return np.array([_number(read, k, column.heading, value) for k, value in enumerate(values.to_pylist())])
 
 
 def _number(read: _Read, k: int, heading: str, value: Any) -> float:
     if value is None or not str(value).strip():
         return np.nan
-    try:
-        if isinstance(value, bool):
-            raise TypeError
-        return float(value)
-    except (ValueError, TypeError):
-        raise _unreadable(read, k, heading, str(value), "no number") from None
+    if not isinstance(value, bool):
+        with suppress(ValueError, TypeError):
+            return float(value)
+    raise _unreadable(read, k, heading, str(value), "no number")
 
 
 def _unreadable(read: _Read, k: int, heading: str, text: str, what: str) -> ValueError:
